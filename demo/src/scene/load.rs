@@ -1,0 +1,264 @@
+//! Loading glTF 2.0 files, .gltf and .glb.
+//!
+//! Works on the plain JSON types of `gltf-json`, because the `gltf` crate's own validation panics on some broken
+//! files and refuses others that every viewer shows. Here a file is checked where it is used: what is not drawn may
+//! be broken. No input makes the loader panic, loop, or allocate more than its data call for.
+
+mod accessor;
+mod cameras;
+mod container;
+mod error;
+mod images;
+mod lights;
+mod material;
+mod mesh;
+mod nodes;
+mod uri;
+
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::path::Path;
+
+use glam::{Mat4, Vec3};
+use gltf_json::Root;
+
+pub use self::error::{LoadError, Problem};
+use self::accessor::Document;
+use self::material::MaterialTable;
+use super::{Camera, Instance, Light, Mesh, Scene, Sun};
+
+/// Extensions that files may require.
+pub const SUPPORTED_EXTENSIONS: &[&str] = &[
+    "EXT_mesh_gpu_instancing",
+    "KHR_lights_punctual",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_unlit",
+    "KHR_mesh_quantization",
+    "KHR_texture_transform",
+];
+
+/// Meshes drawn, counting every copy.
+const MAX_INSTANCES: usize = 1 << 20;
+/// More notices than this help nobody.
+const MAX_NOTICES: usize = 100;
+
+/// Loads scene `scene_index` of a file, or its default scene.
+pub fn load(path: &Path, scene_index: Option<usize>) -> Result<Scene, LoadError> {
+    read(path, scene_index).map_err(|problem| LoadError::new(path, problem))
+}
+
+fn read(path: &Path, scene_index: Option<usize>) -> Result<Scene, Problem> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let file = uri::read_file(path)?;
+    let (json, bin) = container::split(&file)?;
+    let root: Root = serde_json::from_slice(json)?;
+    let mut notices = Vec::new();
+    check_version(&root)?;
+    check_extensions(&root, &mut notices)?;
+    let buffers = buffers(&root, bin, folder)?;
+    let document = Document { root, buffers };
+
+    let placed = nodes::walk(&document.root, scene_index, &mut notices)?;
+    note_the_static(&document.root, &placed, &mut notices);
+    let mut assembly = Assembly::new(&document);
+    for (number, world) in placed {
+        assembly.add_node(number, world)?;
+    }
+    assembly.notices.splice(0..0, notices);
+    assembly.finish(path, folder)
+}
+
+fn check_version(root: &Root) -> Result<(), Problem> {
+    let asset = &root.asset;
+    let is_2 = |version: &str| version == "2" || version.starts_with("2.");
+    // A minimum version above 2.0 says that 2.0 is not enough to read the file.
+    match &asset.min_version {
+        Some(least) if least != "2.0" => Err(Problem::Version(least.clone())),
+        None if !is_2(&asset.version) => Err(Problem::Version(asset.version.clone())),
+        _ => Ok(()),
+    }
+}
+
+fn check_extensions(root: &Root, notices: &mut Vec<String>) -> Result<(), Problem> {
+    let unsupported = |name: &&String| !SUPPORTED_EXTENSIONS.contains(&name.as_str());
+    if let Some(name) = root.extensions_required.iter().find(unsupported) {
+        return Err(Problem::Extension(name.clone()));
+    }
+    let ignored = root.extensions_used.iter().filter(unsupported);
+    notices.extend(ignored.map(|name| format!("extension {name} is not supported and ignored")));
+    Ok(())
+}
+
+fn buffers<'a>(root: &Root, bin: Option<&'a [u8]>, folder: &Path) -> Result<Vec<Cow<'a, [u8]>>, Problem> {
+    let load = |(number, buffer): (usize, &gltf_json::Buffer)| {
+        let place = label("buffer", number, buffer.name.as_deref());
+        let bytes = match (&buffer.uri, bin) {
+            (Some(uri), _) => Cow::Owned(uri::read(uri, folder, &place)?),
+            (None, Some(bin)) if number == 0 => Cow::Borrowed(bin),
+            // A placeholder, for instance for what an extension decompresses; any use of it is an error of its own.
+            (None, _) => return Ok(Cow::default()),
+        };
+        if (bytes.len() as u64) < buffer.byte_length.0 {
+            let reason = format!("{} bytes instead of {}", bytes.len(), buffer.byte_length.0);
+            return Err(Problem::Buffer { place, reason });
+        }
+        Ok(bytes)
+    };
+    root.buffers.iter().enumerate().map(load).collect()
+}
+
+/// Notes what moves in the file and stands still here.
+fn note_the_static(root: &Root, placed: &[nodes::Placed], notices: &mut Vec<String>) {
+    if !root.animations.is_empty() {
+        notices.push(format!("{} animations ignored", root.animations.len()));
+    }
+    let drawn = || placed.iter().filter_map(|&(node, _)| root.nodes.get(node));
+    if drawn().any(|node| node.skin.is_some() && node.mesh.is_some()) {
+        notices.push("skins ignored, meshes stand in their bind pose".to_owned());
+    }
+    let meshes = drawn().filter_map(|node| root.meshes.get(node.mesh?.value()));
+    if meshes.flat_map(|mesh| &mesh.primitives).any(|primitive| primitive.targets.is_some()) {
+        notices.push("morph targets ignored, their weights are taken as 0".to_owned());
+    }
+}
+
+/// A scene under construction.
+struct Assembly<'a> {
+    document: &'a Document<'a>,
+    materials: MaterialTable<'a>,
+    meshes: Vec<Mesh>,
+    /// The scene's meshes for a mesh of the file.
+    converted: HashMap<usize, Vec<usize>>,
+    corner_budget: usize,
+    instances: Vec<Instance>,
+    objects: usize,
+    lights: Vec<Light>,
+    cameras: Vec<Camera>,
+    notices: Vec<String>,
+}
+
+impl<'a> Assembly<'a> {
+    fn new(document: &'a Document<'a>) -> Self {
+        Self {
+            document,
+            materials: MaterialTable::new(&document.root),
+            meshes: Vec::new(),
+            converted: HashMap::new(),
+            corner_budget: mesh::MAX_CORNERS,
+            instances: Vec::new(),
+            objects: 0,
+            lights: Vec::new(),
+            cameras: Vec::new(),
+            notices: Vec::new(),
+        }
+    }
+
+    fn add_node(&mut self, number: usize, world: Mat4) -> Result<(), Problem> {
+        let root = &self.document.root;
+        let node = &root.nodes[number];
+        let place = label("node", number, node.name.as_deref());
+        let dangling =
+            |kind, index, count| Problem::Reference { from: place.clone(), kind, index, count };
+
+        if let Some(index) = node.camera.map(|camera| camera.value()) {
+            let camera =
+                root.cameras.get(index).ok_or_else(|| dangling("camera", index, root.cameras.len()))?;
+            match cameras::convert(camera, world) {
+                Some(camera) => self.cameras.push(camera),
+                None => self.notices.push(format!("{place}: camera {index} ignored, it is degenerate")),
+            }
+        }
+        if let Some(light) = node.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref()) {
+            let lights: &[gltf_json::extensions::scene::khr_lights_punctual::Light] = root.as_ref();
+            let index = light.light.value();
+            let light = lights.get(index).ok_or_else(|| dangling("light", index, lights.len()))?;
+            match lights::convert(light, world) {
+                Some(light) => self.lights.push(light),
+                None => self.notices.push(format!("{place}: light {index} ignored, it is dark or degenerate")),
+            }
+        }
+        if let Some(mesh) = node.mesh {
+            let meshes = self.mesh(mesh.value(), &place)?;
+            for world_from_mesh in nodes::copies(self.document, node, &place, world)? {
+                let object = (self.objects % usize::from(u16::MAX)) as u16 + 1;
+                self.objects += 1;
+                self.instances.extend(meshes.iter().map(|&mesh| Instance { mesh, world_from_mesh, object }));
+                if self.instances.len() > MAX_INSTANCES {
+                    return Err(Problem::TooLarge { what: "the instances".to_owned(), limit: MAX_INSTANCES });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The scene's meshes for mesh `number` of the file, converted when first met.
+    fn mesh(&mut self, number: usize, user: &str) -> Result<Vec<usize>, Problem> {
+        if let Some(known) = self.converted.get(&number) {
+            return Ok(known.clone());
+        }
+        let root = &self.document.root;
+        let mesh = root.meshes.get(number).ok_or_else(|| Problem::Reference {
+            from: user.to_owned(),
+            kind: "mesh",
+            index: number,
+            count: root.meshes.len(),
+        })?;
+        let place = label("mesh", number, mesh.name.as_deref());
+        let mut converted = Vec::new();
+        for (i, primitive) in mesh.primitives.iter().enumerate() {
+            let place = format!("{place} primitive {i}");
+            let material = self.materials.material(primitive.material, &place)?;
+            let material = (&self.materials.materials[material], material, self.materials.uv_sets[material]);
+            let budget = &mut self.corner_budget;
+            if let Some(mesh) = mesh::convert(self.document, primitive, &place, material, budget, &mut self.notices)? {
+                converted.push(self.meshes.len());
+                self.meshes.push(mesh);
+            }
+        }
+        self.converted.insert(number, converted.clone());
+        Ok(converted)
+    }
+
+    fn finish(mut self, path: &Path, folder: &Path) -> Result<Scene, Problem> {
+        let images = images::decode_all(self.document, folder, &self.materials.images)?;
+        self.notices.append(&mut self.materials.notices);
+        let mut scene = Scene {
+            name: path.display().to_string(),
+            meshes: self.meshes,
+            instances: self.instances,
+            materials: self.materials.materials,
+            textures: self.materials.textures,
+            images,
+            cameras: self.cameras,
+            notices: self.notices,
+            ..Scene::default()
+        };
+        if self.lights.is_empty() {
+            scene.sun = Some(Sun::default());
+        } else {
+            let (centre, radius) = scene.bounds().map_or((Vec3::ZERO, 1.0), |b| (b.centre(), b.radius()));
+            if let Some(factor) = lights::expose(&mut self.lights, centre, radius) {
+                scene.notices.push(format!("all lights scaled by {factor:.3e}, for there is no exposure control"));
+            }
+            scene.sun = lights::take_sun(&mut self.lights);
+            scene.lights = self.lights;
+        }
+        if scene.instances.is_empty() {
+            scene.notices.push("there is nothing to draw in this scene".to_owned());
+        }
+        let excess = scene.notices.len().saturating_sub(MAX_NOTICES);
+        if excess > 0 {
+            scene.notices.truncate(MAX_NOTICES);
+            scene.notices.push(format!("and {excess} more notices"));
+        }
+        Ok(scene)
+    }
+}
+
+/// How messages call a thing of the file: "material 3 'glass'".
+fn label(kind: &str, number: usize, name: Option<&str>) -> String {
+    match name {
+        Some(name) if !name.is_empty() => format!("{kind} {number} '{}'", name.escape_debug()),
+        _ => format!("{kind} {number}"),
+    }
+}

@@ -1,0 +1,42 @@
+// Weighted means of shaded samples, and what may enter them. Knows no bindings.
+
+/// What a shaded sample was, for the statistics.
+const DAA_GOOD: u32 = 0u;
+const DAA_NOT_FINITE: u32 = 1u;
+const DAA_NEGATIVE: u32 = 2u;
+
+/// A sample fit for a mean: NaN and infinity become black and opaque, negative radiance 0, and 1e30 is the ceiling,
+/// so that a sum of 64 stays finite. Bits, not comparisons: a compiler may assume that NaN never occurs.
+struct DaaClean {
+    color: vec4f,
+    what: u32,
+}
+
+fn daa_clean(c: vec4f) -> DaaClean {
+    let exponents = bitcast<vec4u>(c) & vec4u(0x7f800000u);
+    if any(exponents == vec4u(0x7f800000u)) {
+        return DaaClean(vec4f(0.0, 0.0, 0.0, 1.0), DAA_NOT_FINITE);
+    }
+    let what = select(DAA_GOOD, DAA_NEGATIVE, any(c < vec4f(0.0)));
+    return DaaClean(clamp(c, vec4f(0.0), vec4f(1e30)), what);
+}
+
+/// The running sum of a pixel: Σ w c and Σ w.
+struct DaaMean {
+    sum: vec4f,
+    weight: f32,
+}
+
+/// The weight of a sample: 1, or 1/(1 + luminance) against fireflies (Karis 2014, "High Quality Temporal
+/// Supersampling", slide 19).
+fn daa_weight(c: vec4f, by_luminance: bool, exposure: f32) -> f32 {
+    return select(1.0, 1.0 / (1.0 + daa_luminance(c.rgb) * exposure), by_luminance);
+}
+
+fn daa_mean_add(mean: DaaMean, c: vec4f, weight: f32) -> DaaMean {
+    return DaaMean(mean.sum + c * weight, mean.weight + weight);
+}
+
+fn daa_mean_finish(mean: DaaMean) -> vec4f {
+    return mean.sum / mean.weight;
+}

@@ -1,0 +1,59 @@
+// Reads the G-buffer and makes the DaaSample of a pixel and a rank.
+
+@group(0) @binding(0) var<uniform> daa_frame: DaaFrame;
+@group(0) @binding(1) var daa_gbuffer_depth: texture_depth_2d;
+@group(0) @binding(2) var daa_gbuffer_surface: texture_2d<u32>;
+@group(0) @binding(3) var daa_gbuffer_frame: texture_2d<u32>;
+@group(0) @binding(4) var daa_gbuffer_uv: texture_2d<u32>;
+
+/// Depths below are the sky. Above every denormal, so that flushing them changes nothing.
+const DAA_SKY_DEPTH: f32 = 1e-30;
+
+/// A rank's place in its window.
+fn daa_order(rank: u32) -> vec2u {
+    let code = daa_frame.order[rank >> 2u][rank & 3u];
+    return vec2u(code & 15u, code >> 4u);
+}
+
+/// From the camera to the point under G-buffer coordinates `xy` (in samples, y down) at depth `d`.
+fn daa_relative_position(xy: vec2f, d: f32) -> vec3f {
+    let ndc = xy / vec2f(daa_frame.size * DAA_M) * vec2f(2.0, -2.0) + vec2f(-1.0, 1.0);
+    let p = daa_frame.relative_from_clip * vec4f(ndc, d, 1.0);
+    return p.xyz / p.w;
+}
+
+/// `footprint` scales the uv gradients: √(n/k) (Holländer et al. 2013, section 4.1, which leaves the formula out).
+/// `offset` moves the texture lookup along the surface, in samples.
+fn daa_fetch(pixel: vec2u, rank: u32, footprint: f32, offset: vec2f) -> DaaSample {
+    let at = pixel * DAA_M + daa_order(rank);
+    let surface = textureLoad(daa_gbuffer_surface, at, 0).xy;
+    let frame = textureLoad(daa_gbuffer_frame, at, 0).xy;
+    let uv = textureLoad(daa_gbuffer_uv, at, 0);
+    let d = textureLoad(daa_gbuffer_depth, at, 0);
+    let valid = d > DAA_SKY_DEPTH;
+
+    var s: DaaSample;
+    s.pixel = pixel;
+    s.rank = rank;
+    // The sky has no distance: its direction is that of the near plane.
+    let relative = daa_relative_position(vec2f(at) + 0.5, select(1.0, d, valid));
+    let towards = select(-relative, -daa_frame.camera_forward, daa_frame.orthographic != 0u);
+    s.view = towards * inverseSqrt(max(dot(towards, towards), 1e-30));
+    s.relative_position = relative;
+    s.position = relative + daa_frame.camera_position;
+    s.depth = select(0.0, dot(relative, daa_frame.camera_forward), valid);
+    s.normal = daa_octahedral_decode(unpack2x16snorm(surface.x));
+    s.geometric_normal = daa_octahedral_decode(unpack4x8snorm(frame.x).xy);
+    s.tangent = daa_tangent_decode(s.normal, frame.x >> 16u);
+    s.material = surface.y & 0xffffu;
+    s.object = surface.y >> 16u;
+    s.user = frame.y;
+    let ddx = unpack2x16float(uv.z);
+    let ddy = unpack2x16float(uv.w);
+    s.uv = bitcast<vec2f>(uv.xy) + ddx * offset.x + ddy * offset.y;
+    s.ddx = ddx * footprint;
+    s.ddy = ddy * footprint;
+    s.shadow = 0u;
+    s.secondary = vec3f(0.0);
+    return s;
+}

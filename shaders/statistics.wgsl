@@ -1,0 +1,14 @@
+// Counters that the passes add to. Integers, so that the order of the additions cannot show.
+
+struct DaaStatistics {
+    /// Windows with k = index + 1.
+    histogram: array<atomic<u32>, 64>,
+    /// Samples that the host's code returned with NaN or infinity.
+    not_finite: atomic<u32>,
+    /// Samples that the host's code returned with a negative component.
+    negative: atomic<u32>,
+    /// Tiles that wanted more samples than the limit and fell back to k = 1.
+    overflowed_tiles: atomic<u32>,
+    /// Windows whose k was decided by: nothing, depth, normal, luminance, identity.
+    decided: array<atomic<u32>, 5>,
+}

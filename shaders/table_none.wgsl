@@ -1,0 +1,1 @@
+// No texture table: the host reads its textures itself, or has none.

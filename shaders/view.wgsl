@@ -1,0 +1,64 @@
+// view: a look at what the frame is made from, in place of resolve. Displayable values in [0, 1].
+
+@group(3) @binding(0) var daa_first: texture_2d<f32>;
+@group(3) @binding(1) var<storage, read> daa_plan: array<u32>;
+
+@vertex
+fn daa_view_vertex(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
+    return vec4f(f32(i & 1u) * 4.0 - 1.0, f32(i >> 1u) * 4.0 - 1.0, 0.0, 1.0);
+}
+
+/// Black through red and yellow to white.
+fn daa_heat(t: f32) -> vec3f {
+    return clamp(vec3f(t * 3.0, t * 3.0 - 1.0, t * 3.0 - 2.0), vec3f(0.0), vec3f(1.0));
+}
+
+/// A colour for a number, far from its neighbours' (PCG hash, Jarzynski and Olano 2020).
+fn daa_label(i: u32) -> vec3f {
+    let state = i * 747796405u + 2891336453u;
+    let word = ((state >> ((state >> 28u) + 4u)) ^ state) * 277803737u;
+    return unpack4x8unorm((word >> 22u) ^ word).rgb * 0.8 + 0.1;
+}
+
+@fragment
+fn daa_view_fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
+    let pixel = vec2u(position.xy);
+    let slot = ((pixel.y >> 3u) * daa_frame.tiles_x + (pixel.x >> 3u)) * 64u + (pixel.y & 7u) * 8u + (pixel.x & 7u);
+    let s = daa_fetch(pixel, 0u, 1.0, vec2f(0.0));
+    let d = textureLoad(daa_gbuffer_depth, pixel * DAA_M + daa_order(0u), 0);
+    // Without a plan every window has the same k: n, or 1.
+    var plan = daa_plan[slot];
+    if (daa_frame.flags & DAA_FLAG_PLANNED) == 0u {
+        plan = select(1u, DAA_M * DAA_M, (daa_frame.flags & DAA_FLAG_FULL) != 0u);
+    }
+    let sky = s.depth == 0.0;
+    var c = vec3f(0.0);
+    switch daa_frame.view {
+        case 1u: { // Count
+            c = daa_heat(log2(f32(max(plan & 0xffu, 1u))) / max(log2(f32(DAA_M * DAA_M)), 1.0));
+        }
+        case 2u: { // Decided: black nothing, red depth, green normal, blue luminance, yellow identity
+            let by = (plan >> 8u) & 0xffu;
+            c = select(vec3f(f32(by == 1u || by == 4u), f32(by == 2u || by == 4u), f32(by == 3u)), vec3f(0.0), by == 0u);
+        }
+        case 3u: { // First
+            let first = textureLoad(daa_first, pixel, 0).rgb * daa_frame.exposure;
+            c = first / (1.0 + first);
+        }
+        case 4u: { c = vec3f(sqrt(sqrt(clamp(d, 0.0, 1.0)))); } // Depth
+        case 5u: { c = s.normal * 0.5 + 0.5; } // Normal
+        case 6u: { c = s.geometric_normal * 0.5 + 0.5; } // GeometricNormal
+        case 7u: { c = s.tangent.xyz * 0.5 + 0.5; } // Tangent
+        case 8u: { c = vec3f(fract(s.uv), 0.0); } // Uv
+        case 9u: { // Gradient: log2 of the footprint in uv, 2⁻¹⁶ black, 1 white
+            let g = max(dot(s.ddx, s.ddx), dot(s.ddy, s.ddy));
+            c = vec3f(clamp(log2(max(g, 1e-20)) / 32.0 + 1.0, 0.0, 1.0));
+        }
+        case 10u: { c = daa_label(s.material); } // Material
+        case 11u: { c = daa_label(s.object + 0x10000u); } // Object
+        case 12u: { c = unpack4x8unorm(s.user).rgb; } // User
+        default: {}
+    }
+    let everywhere = daa_frame.view <= 3u;
+    return vec4f(select(c, vec3f(0.0), sky && !everywhere), 1.0);
+}

@@ -1,0 +1,267 @@
+//! What can go wrong, where, and what to do about it.
+
+use std::fmt;
+
+/// [`DeferredAa::new`](crate::DeferredAa::new) could not build the node.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum BuildError {
+    /// `Descriptor::m` is out of range.
+    #[error("m is {0}: a window has 1 to 8 samples a side; set Descriptor::m to one of them")]
+    WindowSize(u32),
+    /// The device lacks what the descriptor asks for.
+    #[error("the device lacks {}; request Requirements::features and ::limits with it, or choose another tier", .0.join(", "))]
+    Missing(Vec<String>),
+    /// The target's format can't be rendered to as floating point colour.
+    #[error("target format {0:?} can't hold a colour image; choose a renderable float or normalised format, such as Rgba8UnormSrgb or Rgba16Float")]
+    TargetFormat(wgpu::TextureFormat),
+    /// The host's WGSL is wrong.
+    #[error(transparent)]
+    Shading(#[from] ShadingError),
+    /// A pipeline was refused.
+    #[error(transparent)]
+    Pipeline(#[from] PipelineError),
+}
+
+/// The driver or wgpu refused a pipeline, mostly because the host's bind group layout does not fit its WGSL.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("pass '{pass}' could not be compiled: {message}; hold the host's bind group layout against its WGSL")]
+pub struct PipelineError {
+    /// The pass.
+    pub pass: &'static str,
+    /// What wgpu said, in one line.
+    pub message: String,
+}
+
+/// [`DeferredAa::resize`](crate::DeferredAa::resize) was asked for a size that can't be had.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SizeError {
+    /// A side is 0.
+    #[error("{width}×{height} has no pixels; skip the frame while the window is minimised")]
+    Empty {
+        /// Pixels.
+        width: u32,
+        /// Pixels.
+        height: u32,
+    },
+    /// The G-buffer does not fit the device's limits.
+    #[error(
+        "{width}×{height} at m = {m} needs a G-buffer {}×{}, the device allows {limit} a side; lower m or the size, \
+         or request a greater max_texture_dimension_2d", .width * .m, .height * .m
+    )]
+    TooLarge {
+        /// Pixels.
+        width: u32,
+        /// Pixels.
+        height: u32,
+        /// Samples a side of a window.
+        m: u32,
+        /// `max_texture_dimension_2d` of the device.
+        limit: u32,
+    },
+    /// A buffer of one word a pixel does not fit the device's limits.
+    #[error("{width}×{height} needs a buffer of {bytes} bytes, the device binds {limit}; request a greater max_storage_buffer_binding_size")]
+    Buffer {
+        /// Pixels.
+        width: u32,
+        /// Pixels.
+        height: u32,
+        /// What the plan of this size takes.
+        bytes: u64,
+        /// What the device binds.
+        limit: u64,
+    },
+    /// The device is out of memory.
+    #[error("the device has no memory for {bytes} bytes of {width}×{height} at m = {m}: {message}; lower m or the size")]
+    OutOfMemory {
+        /// Pixels.
+        width: u32,
+        /// Pixels.
+        height: u32,
+        /// Samples a side of a window.
+        m: u32,
+        /// What was asked for in all.
+        bytes: u64,
+        /// What wgpu said.
+        message: String,
+    },
+}
+
+/// [`DeferredAa::record`](crate::DeferredAa::record) recorded nothing.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RecordError {
+    /// No [`resize`](crate::DeferredAa::resize) has succeeded yet.
+    #[error("the node has no size yet; call resize before record")]
+    NoSize,
+    /// A setting is out of range.
+    #[error(transparent)]
+    Settings(#[from] SettingsError),
+    /// The camera can't be inverted.
+    #[error("the camera's {0} is singular or not finite; give it a size above 0 and a near plane above 0")]
+    Camera(&'static str),
+    /// Exposure is not a positive number.
+    #[error("exposure is {0}; it is a finite factor above 0, 1 if the host has none")]
+    Exposure(f32),
+    /// The target is of another size than the node.
+    #[error("the target is {target_width}×{target_height}, the node {width}×{height}; call resize with the target's size")]
+    TargetSize {
+        /// Of the target.
+        target_width: u32,
+        /// Of the target.
+        target_height: u32,
+        /// Of the node.
+        width: u32,
+        /// Of the node.
+        height: u32,
+    },
+    /// The target is of another format than the descriptor's.
+    #[error("the target is {target:?}, the node writes {node:?}; build the node with Descriptor::target_format = {target:?}")]
+    TargetFormat {
+        /// Of the target.
+        target: wgpu::TextureFormat,
+        /// Of the descriptor.
+        node: wgpu::TextureFormat,
+    },
+    /// The target lacks `RENDER_ATTACHMENT`.
+    #[error("the target can't be rendered to; create it with TextureUsages::RENDER_ATTACHMENT")]
+    TargetUsage,
+    /// The host's WGSL has a group, the frame has none.
+    #[error("the host's WGSL was built with a bind group layout, the frame has no host_bind_group; set it")]
+    HostBindGroup,
+    /// The descriptor has a texture tier, the frame has no table.
+    #[error("the node was built with a texture tier, the frame has no table; set Frame::textures, an empty table if there are none")]
+    Textures,
+    /// A pipeline was refused.
+    #[error(transparent)]
+    Pipeline(#[from] PipelineError),
+}
+
+/// A setting is out of its range.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error("{field} is {value}, it must lie in {least} to {most}")]
+pub struct SettingsError {
+    /// Its path, such as `windowed.depth_scale`.
+    pub field: &'static str,
+    /// What it was set to.
+    pub value: f32,
+    /// The least allowed value.
+    pub least: f32,
+    /// The greatest allowed value.
+    pub most: f32,
+}
+
+/// A [`TextureTable`](crate::TextureTable) could not be built.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum TableError {
+    /// More classes of size, format, mips and sampler than the tier has array textures.
+    #[error(
+        "the textures fall into {classes} classes of size, format, mip count and sampler, the array tier has {most}; \
+         resize some to a common size, or use the binding tier"
+    )]
+    Classes {
+        /// How many there are.
+        classes: usize,
+        /// How many there may be.
+        most: usize,
+    },
+    /// More textures than the table holds.
+    #[error("{textures} textures, the table holds {most}; raise Descriptor::texture_capacity")]
+    Capacity {
+        /// How many there are.
+        textures: usize,
+        /// How many there may be.
+        most: usize,
+    },
+    /// A texture of the wrong kind.
+    #[error("texture {index} {problem}")]
+    Texture {
+        /// Its place in the list.
+        index: usize,
+        /// What is wrong and what to do.
+        problem: String,
+    },
+    /// The node has no texture tier.
+    #[error("the node was built without a texture tier; set Descriptor::textures")]
+    NoTier,
+}
+
+/// The host's WGSL is wrong, at a place in its own file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ShadingError {
+    /// As given in [`Shading::file`](crate::Shading::file).
+    pub file: String,
+    /// From 1; 0 if the error is about the file as a whole.
+    pub line: u32,
+    /// From 1, in characters; 0 if the error is about the file as a whole.
+    pub column: u32,
+    /// What is wrong.
+    pub kind: ShadingErrorKind,
+}
+
+/// What is wrong with the host's WGSL.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ShadingErrorKind {
+    /// It does not parse, or a name or a type is wrong.
+    #[error("{0}")]
+    Wgsl(String),
+    /// No hook was found.
+    #[error(
+        "no shading function; write `fn shade(s: DaaSample) -> vec4f`, or both `fn material(s: DaaSample) -> DaaMaterial` \
+         and `fn light(f: DaaSurface, m: DaaMaterial) -> vec4f`"
+    )]
+    NoHook,
+    /// One half of the split hook.
+    #[error("`{have}` without `{missing}`; write both, or one `fn shade(s: DaaSample) -> vec4f`")]
+    HalfHook {
+        /// What is there.
+        have: &'static str,
+        /// What is not.
+        missing: &'static str,
+    },
+    /// Both kinds of hook.
+    #[error("both `shade` and `material` or `light`; keep one way of shading, rename the other")]
+    TwoHooks,
+    /// A hook has the wrong signature.
+    #[error("`{name}` must be `{expected}`")]
+    Signature {
+        /// The function.
+        name: &'static str,
+        /// How it must read.
+        expected: &'static str,
+    },
+    /// A name of the crate's.
+    #[error("`{0}` is a name of deferred-aa's; names that begin with daa_, Daa or DAA_ are reserved, rename it")]
+    ReservedName(String),
+    /// A name that the crate's own chunks use.
+    #[error("`{0}` clashes with a name of deferred-aa's; rename it")]
+    Clash(String),
+    /// A binding outside of the host's group.
+    #[error("`{name}` is bound to @group({group}); the host's group is @group({})", crate::HOST_GROUP)]
+    Group {
+        /// The variable.
+        name: String,
+        /// Its group.
+        group: u32,
+    },
+    /// An entry point.
+    #[error("`{0}` is an entry point; the crate brings its own, remove @compute, @vertex or @fragment")]
+    EntryPoint(String),
+    /// A derivative or an implicit-gradient sample, which no compute shader has.
+    #[error("{0}; shading runs in compute: sample with textureSampleGrad or daa_texture and the sample's ddx, ddy")]
+    Derivative(String),
+}
+
+impl std::error::Error for ShadingError {}
+
+impl fmt::Display for ShadingError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.line {
+            0 => write!(f, "{}: {}", self.file, self.kind),
+            line => write!(f, "{}:{line}:{}: {}", self.file, self.column, self.kind),
+        }
+    }
+}

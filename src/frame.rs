@@ -1,0 +1,145 @@
+//! What one frame needs from the host, and how it reaches the shaders.
+
+use crate::error::RecordError;
+use crate::settings::{DepthMeasure, LuminanceCurve, Settings, Technique, Weight};
+use crate::window;
+use glam::{DMat4, DVec4, Mat4, Vec3};
+
+/// Where the scene is seen from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Camera {
+    /// World from view: rotation and translation, no scale. View space looks along −z, y up.
+    pub world_from_view: Mat4,
+    /// The projection that the G-buffer was rendered with, reversed z: 1 at the near plane, 0 at the far plane or at
+    /// infinity ([`Mat4::perspective_infinite_reverse_rh`]).
+    pub clip_from_view: Mat4,
+}
+
+/// One frame to record.
+#[derive(Debug, Clone, Copy)]
+pub struct Frame<'a> {
+    /// The camera that the G-buffer was rendered with.
+    pub camera: Camera,
+    /// How to sample. May differ from frame to frame.
+    pub settings: Settings,
+    /// Radiance × exposure is what the luminance metric and the luminance weight see; what is written to the target stays
+    /// unexposed. Above 0; 1 if the host's radiance is about 1 where a picture is bright.
+    pub exposure: f32,
+    /// The host's bind group, set at [`HOST_GROUP`](crate::HOST_GROUP) wherever its WGSL runs. Needed if
+    /// [`new`](crate::DeferredAa::new) was given a layout.
+    pub host_bind_group: Option<&'a wgpu::BindGroup>,
+    /// The textures that `daa_texture` reads. Needed if the descriptor has a texture tier.
+    pub textures: Option<&'a crate::TextureTable>,
+    /// The image goes here: the size of the node, the format of the descriptor, usage `RENDER_ATTACHMENT`.
+    pub target: &'a wgpu::TextureView,
+    /// Collect [`Statistics`](crate::Statistics) of this frame: a copy of a few hundred bytes, and timestamps where the
+    /// device has them.
+    pub statistics: bool,
+}
+
+/// `DaaFrame` of contract.wgsl.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+pub(crate) struct FrameUniform {
+    pub relative_from_clip: [[f32; 4]; 4],
+    pub camera_position: [f32; 3],
+    pub exposure: f32,
+    pub camera_forward: [f32; 3],
+    pub orthographic: u32,
+    pub size: [u32; 2],
+    pub tiles_x: u32,
+    pub flags: u32,
+    pub depth_scale: f32,
+    pub normal_scale: f32,
+    pub luminance_scale: f32,
+    pub luminance_min: f32,
+    pub luminance_edge: f32,
+    pub identity_samples: f32,
+    pub tile_limit: u32,
+    pub view: u32,
+    pub order: [[u32; 4]; 16],
+}
+
+/// Bits of `DaaFrame::flags`; their values are read from the shader by a test.
+pub(crate) mod flag {
+    pub const DEPTH_PLANE: u32 = 1;
+    pub const TWO_SIDED: u32 = 2;
+    pub const LUMINANCE_PERCEPTUAL: u32 = 4;
+    pub const LUMINANCE_CENTRE: u32 = 8;
+    pub const WEIGHT_LUMINANCE: u32 = 16;
+    pub const CENTRED: u32 = 32;
+    pub const FULL: u32 = 64;
+    pub const PLANNED: u32 = 128;
+}
+
+impl FrameUniform {
+    pub fn new(frame: &Frame<'_>, size: [u32; 2], m: u32) -> Result<Self, RecordError> {
+        let (relative_from_clip, position, forward) = frame.camera.relative()?;
+        if !(frame.exposure.is_finite() && frame.exposure > 0.0) {
+            return Err(RecordError::Exposure(frame.exposure));
+        }
+        let w = &frame.settings.windowed;
+        let flags = [
+            (w.depth == DepthMeasure::Discontinuity, flag::DEPTH_PLANE),
+            (w.two_sided, flag::TWO_SIDED),
+            (w.luminance == LuminanceCurve::Perceptual, flag::LUMINANCE_PERCEPTUAL),
+            (w.luminance_centre, flag::LUMINANCE_CENTRE),
+            (frame.settings.weight == Weight::Luminance, flag::WEIGHT_LUMINANCE),
+            (w.centred, flag::CENTRED),
+            (frame.settings.technique == Technique::Full, flag::FULL),
+            (frame.settings.technique == Technique::Windowed, flag::PLANNED),
+        ];
+        let mut order = [[0; 4]; 16];
+        for (rank, (x, y)) in window::order(m).into_iter().enumerate() {
+            order[rank / 4][rank % 4] = u32::from(x) | u32::from(y) << 4;
+        }
+        Ok(Self {
+            relative_from_clip: relative_from_clip.to_cols_array_2d(),
+            camera_position: position.to_array(),
+            exposure: frame.exposure,
+            camera_forward: forward.to_array(),
+            orthographic: u32::from(frame.camera.is_orthographic()),
+            size,
+            tiles_x: size[0].div_ceil(crate::TILE),
+            flags: flags.iter().map(|&(on, bit)| if on { bit } else { 0 }).sum(),
+            depth_scale: w.depth_scale,
+            normal_scale: w.normal_scale,
+            luminance_scale: w.luminance_scale,
+            luminance_min: w.luminance_min,
+            luminance_edge: w.luminance_edge,
+            identity_samples: w.identity_samples,
+            tile_limit: w.tile_limit,
+            view: frame.settings.view as u32,
+            order,
+        })
+    }
+}
+
+impl Camera {
+    fn is_orthographic(&self) -> bool {
+        self.clip_from_view.row(3) == glam::Vec4::W
+    }
+
+    /// Camera-relative position from clip space, the eye and the view direction. Inverted in f64: an infinite projection
+    /// with a small near plane is close to singular in f32.
+    fn relative(&self) -> Result<(Mat4, Vec3, Vec3), RecordError> {
+        let clip_from_view = self.clip_from_view.as_dmat4();
+        let view_from_clip = clip_from_view.inverse();
+        let sound = |m: &DMat4| m.is_finite() && m.determinant() != 0.0;
+        if !sound(&clip_from_view) || !sound(&view_from_clip) {
+            return Err(RecordError::Camera("projection"));
+        }
+        let world_from_view = self.world_from_view.as_dmat4();
+        if !sound(&world_from_view) {
+            return Err(RecordError::Camera("view"));
+        }
+        let mut rotation = world_from_view;
+        rotation.w_axis = DVec4::W;
+        let relative_from_clip = (rotation * view_from_clip).as_mat4();
+        let forward = -world_from_view.z_axis.truncate().normalize().as_vec3();
+        if !relative_from_clip.is_finite() {
+            return Err(RecordError::Camera("projection"));
+        }
+        Ok((relative_from_clip, self.world_from_view.w_axis.truncate(), forward))
+    }
+}

@@ -1,0 +1,78 @@
+//! Adaptive supersampling for deferred shading.
+//!
+//! A host renders its scene into a G-buffer enlarged m × m. Of the n = m² samples behind each pixel this crate shades
+//! those that are worth it with the host's own WGSL, and writes an image as good as full supersampling into the host's
+//! target. One frame in, one frame out: no history, no motion vectors.
+//!
+//! ```text
+//!                host                                   deferred-aa
+//! scene ──raster──► G-buffer (m·w × m·h) ─┬─► first     shade the rank-0 sample of every window → S
+//! `material`, `light` or `shade` (WGSL) ──┤   metrics   what differs inside the window, and between neighbours in S
+//! Settings ───────────────────────────────┤   plan      how many samples of each window, and where
+//!                                         │   shade     the host's WGSL on those samples, and their mean
+//!                                         └─► resolve   → target view
+//! ```
+//!
+//! # Words
+//! *Window*: the m × m samples behind one pixel. *Rank*: a sample's place in the window's order; rank 0 is shaded first.
+//! *k*: how many samples of a window are shaded, 1 to n, the first included. *S*: the image of first samples.
+//! *Sample ratio*: shaded samples over n · w · h.
+//!
+//! # Integration
+//! 1. [`DeferredAa::requirements`] says what the device must have; create it so.
+//! 2. [`DeferredAa::new`] takes the host's WGSL ([`Shading`]) and checks it; [`DeferredAa::resize`] makes the
+//!    [`GBuffer`].
+//! 3. Each frame the host renders into the G-buffer, its fragment shaders packing with [`gbuffer::PACK_WGSL`], and calls
+//!    [`DeferredAa::record`].
+//!
+//! `tests/integration/` in the repository is a whole host in under 120 lines.
+//!
+//! # Source
+//! The techniques come from M. Holländer, T. Boubekeur, E. Eisemann, "Adaptive Supersampling for Deferred Anti-Aliasing",
+//! Journal of Computer Graphics Techniques 2013; sections are cited where they are used.
+
+#![deny(missing_docs)]
+
+mod error;
+mod first;
+mod frame;
+pub mod gbuffer;
+mod metrics;
+mod node;
+mod pipeline;
+mod plan;
+#[cfg(feature = "reference")]
+pub mod reference;
+mod requirements;
+mod resolve;
+mod scratch;
+mod settings;
+mod shade;
+mod statistics;
+mod table;
+mod view;
+mod wgsl;
+pub mod window;
+
+pub use error::{
+    BuildError, PipelineError, RecordError, SettingsError, ShadingError, ShadingErrorKind, SizeError, TableError,
+};
+pub use frame::{Camera, Frame};
+pub use gbuffer::GBuffer;
+pub use node::{DeferredAa, Descriptor, Pass, Recording, Shading};
+pub use pipeline::{PassInfo, Resource};
+pub use requirements::{Memory, Requirements};
+pub use settings::{
+    DebugView, DepthMeasure, Execution, LuminanceCurve, Settings, Technique, Weight, Windowed,
+};
+pub use statistics::{PassTime, Statistics};
+pub use table::{
+    BINDING_FEATURES, MAX_CLASSES, MAX_SAMPLERS, TableSampler, TableTexture, TextureTable, TextureTier, classes,
+};
+pub use {glam, wgpu};
+
+/// `@group` of the host's bindings.
+pub const HOST_GROUP: u32 = 2;
+
+/// Pixels along one side of a tile.
+pub const TILE: u32 = 8;

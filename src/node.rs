@@ -1,0 +1,546 @@
+//! The node: knows the order of the frame's passes, and nobody else does.
+
+use crate::error::{BuildError, RecordError, ShadingError, SizeError, TableError};
+use crate::first::{self, First};
+use crate::frame::{Frame, FrameUniform};
+use crate::gbuffer::GBuffer;
+use crate::metrics::{self, Metrics};
+use crate::pipeline::{self, Build, PassInfo};
+use crate::plan::{self, Plan};
+use crate::requirements::{self, Memory, Requirements};
+use crate::resolve::{Resolve, Source};
+use crate::scratch::{self, Scratch};
+use crate::settings::{DebugView, Execution, Settings, Technique};
+use crate::shade::{self, Shade, Variant};
+use crate::statistics::{Collector, MAX_PASSES, Recorded, Statistics};
+use crate::table::{TableTexture, Tables, TextureTable, TextureTier};
+use crate::view::{self, View};
+use crate::wgsl::{self, HostSource};
+use crate::window::MAX_M;
+
+/// The host's shading code.
+#[derive(Debug, Clone, Copy)]
+pub struct Shading<'a> {
+    /// WGSL: `fn shade(s: DaaSample) -> vec4f`, or `fn material(s: DaaSample) -> DaaMaterial` and
+    /// `fn light(f: DaaSurface, m: DaaMaterial) -> vec4f`, linear radiance and alpha. Optional
+    /// `fn sky(s: DaaSample) -> vec4f` where there is no surface; without it the sky is transparent black. Its resources
+    /// are bound at [`HOST_GROUP`](crate::HOST_GROUP). `shaders/contract.wgsl` has all that it may use.
+    pub source: &'a str,
+    /// What errors call it.
+    pub file: &'a str,
+}
+
+/// What is fixed when a node is built.
+#[derive(Debug, Clone, Copy)]
+pub struct Descriptor<'a> {
+    /// Samples along one side of a pixel's window, 1 to 8. Higher: better edges and textures; G-buffer memory and raster
+    /// time grow with m².
+    pub m: u32,
+    /// Of the view that frames are written to: float (HDR, linear), unorm or sRGB (clamped to 1).
+    pub target_format: wgpu::TextureFormat,
+    /// The host's WGSL.
+    pub shading: Shading<'a>,
+    /// How `daa_texture` reaches textures.
+    pub textures: TextureTier,
+    /// Most textures of a table on [`TextureTier::Bindings`].
+    pub texture_capacity: u32,
+}
+
+/// Adaptive supersampling of a deferred frame: a node for a host's frame graph.
+///
+/// ```text
+/// let mut aa = DeferredAa::new(&device, &descriptor, Some(&layout))?;
+/// aa.resize(&device, width, height)?;
+/// // each frame: render into aa.gbuffer(), then
+/// aa.record(&queue, &mut encoder, &frame)?;
+/// ```
+///
+/// It never submits and never waits. After [`resize`](Self::resize) and the first frame of a technique it allocates no
+/// GPU resource.
+#[derive(Debug)]
+pub struct DeferredAa {
+    build: Build,
+    tables: Option<Tables>,
+    first: First,
+    metrics: Metrics,
+    plan: Plan,
+    shade: Shade,
+    resolve: Resolve,
+    view: View,
+    uniforms: wgpu::Buffer,
+    sized: Option<Sized>,
+    collector: Collector,
+    frame: u64,
+}
+
+/// What goes with a size.
+#[derive(Debug)]
+struct Sized {
+    scratch: Scratch,
+    frame: wgpu::BindGroup,
+    first: wgpu::BindGroup,
+    metrics: wgpu::BindGroup,
+    plan: wgpu::BindGroup,
+    shade: wgpu::BindGroup,
+    resolve: wgpu::BindGroup,
+    view: wgpu::BindGroup,
+}
+
+/// A pass of the frame, in the order in which [`Recording::passes`] yields it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Pass {
+    /// What it is called, reads and writes.
+    pub info: PassInfo,
+    step: Step,
+    index: usize,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Step {
+    First,
+    Metrics,
+    Plan,
+    Shade(Variant),
+    Resolve(Source),
+    View,
+}
+
+/// Uniform slots: as many frames may be recorded between two submits.
+const UNIFORM_SLOTS: u64 = 16;
+const UNIFORM_STRIDE: u64 = (size_of::<FrameUniform>() as u64).next_multiple_of(256);
+
+/// The frame, top to bottom.
+fn order(settings: &Settings) -> [Option<Step>; MAX_PASSES] {
+    let planned = settings.technique == Technique::Windowed;
+    let first = settings.technique != Technique::Full || settings.view == DebugView::First;
+    let (shade, source) = match (settings.technique, settings.execution) {
+        (Technique::Full, _) => (Some(Variant::Full), Source::Color),
+        (Technique::Single, _) => (None, Source::First),
+        (Technique::Windowed, Execution::Loop) => (Some(Variant::Loop), Source::ByPlan),
+        (Technique::Windowed, Execution::Tiled) => (Some(Variant::Tiled), Source::ByPlan),
+    };
+    [
+        first.then_some(Step::First),
+        planned.then_some(Step::Metrics),
+        planned.then_some(Step::Plan),
+        shade.map(Step::Shade),
+        Some(if settings.view == DebugView::Image { Step::Resolve(source) } else { Step::View }),
+    ]
+}
+
+impl Step {
+    fn info(self) -> PassInfo {
+        match self {
+            Self::First => first::INFO,
+            Self::Metrics => metrics::INFO,
+            Self::Plan => plan::INFO,
+            Self::Shade(Variant::Full) => shade::INFO_FULL,
+            Self::Shade(_) => shade::INFO,
+            Self::Resolve(source) => source.info(),
+            Self::View => view::INFO,
+        }
+    }
+}
+
+impl DeferredAa {
+    /// What a node with this descriptor needs of a device, and what this adapter can't give. Creates nothing.
+    pub fn requirements(adapter: &wgpu::Adapter, descriptor: &Descriptor<'_>) -> Requirements {
+        Requirements::of(adapter, descriptor)
+    }
+
+    /// Checks the host's WGSL and builds the node. `host_layout` is the layout of the host's bind group, `None` if its WGSL
+    /// binds nothing. Pipelines are compiled when a frame first needs them; [`warm_up`](Self::warm_up) does it ahead.
+    pub fn new(
+        device: &wgpu::Device,
+        descriptor: &Descriptor<'_>,
+        host_layout: Option<&wgpu::BindGroupLayout>,
+    ) -> Result<Self, BuildError> {
+        if !(1..=MAX_M).contains(&descriptor.m) {
+            return Err(BuildError::WindowSize(descriptor.m));
+        }
+        let missing = requirements::missing(device, descriptor);
+        if !missing.is_empty() {
+            return Err(BuildError::Missing(missing));
+        }
+        let float = matches!(
+            descriptor.target_format.sample_type(None, Some(device.features())),
+            Some(wgpu::TextureSampleType::Float { .. })
+        );
+        let usages = descriptor.target_format.guaranteed_format_features(device.features()).allowed_usages;
+        if !float || !usages.contains(wgpu::TextureUsages::RENDER_ATTACHMENT) {
+            return Err(BuildError::TargetFormat(descriptor.target_format));
+        }
+        let Shading { source, file } = descriptor.shading;
+        let host = HostSource::check(source, file, descriptor.textures, device.features())?;
+        let tables = Tables::new(device, descriptor.textures, descriptor.texture_capacity);
+        let build = Build {
+            device: device.clone(),
+            m: descriptor.m,
+            host,
+            target_format: descriptor.target_format,
+            frame_layout: frame_layout(device),
+            table_layout: tables.as_ref().map(|t| t.layout.clone()),
+            host_layout: host_layout.cloned(),
+        };
+        let aa = Self {
+            tables,
+            first: First::new(device),
+            metrics: Metrics::new(device),
+            plan: Plan::new(device),
+            shade: Shade::new(device),
+            resolve: Resolve::new(device),
+            view: View::new(device),
+            uniforms: device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("daa frame"),
+                size: UNIFORM_STRIDE * UNIFORM_SLOTS,
+                usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            }),
+            sized: None,
+            collector: Collector::new(device),
+            frame: 0,
+            build,
+        };
+        // A layout that does not fit the WGSL shows here, not in the first frame.
+        aa.first.pipeline(&aa.build)?;
+        Ok(aa)
+    }
+
+    /// Checks WGSL as [`new`](Self::new) does, without a device: for a host that reloads its shaders.
+    pub fn check_shading(
+        shading: Shading<'_>,
+        textures: TextureTier,
+        features: wgpu::Features,
+    ) -> Result<(), ShadingError> {
+        HostSource::check(shading.source, shading.file, textures, features).map(|_| ())
+    }
+
+    /// Samples along one side of a window.
+    pub fn m(&self) -> u32 {
+        self.build.m
+    }
+
+    /// Makes the G-buffer and all that goes with an output of `width` × `height` pixels. Nothing happens if it has that
+    /// size; what was there before is kept if it fails.
+    pub fn resize(&mut self, device: &wgpu::Device, width: u32, height: u32) -> Result<(), SizeError> {
+        let size = [width, height];
+        if self.sized.as_ref().is_some_and(|s| s.scratch.size == size) {
+            return Ok(());
+        }
+        let m = self.build.m;
+        check_size(size, m, &device.limits())?;
+        let scope = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let scratch = Scratch::new(device, size, m);
+        if let Some(e) = pipeline::ready(scope.pop()) {
+            let bytes = scratch::gbuffer_bytes(size, m) + scratch::scratch_bytes(size);
+            return Err(SizeError::OutOfMemory { width, height, m, bytes, message: e.to_string() });
+        }
+        self.sized = Some(Sized {
+            frame: bind_frame(device, &self.build.frame_layout, &self.uniforms, &scratch.gbuffer),
+            first: self.first.bind(device, &scratch),
+            metrics: self.metrics.bind(device, &scratch),
+            plan: self.plan.bind(device, &scratch),
+            shade: self.shade.bind(device, &scratch),
+            resolve: self.resolve.bind(device, &scratch),
+            view: self.view.bind(device, &scratch),
+            scratch,
+        });
+        Ok(())
+    }
+
+    /// The attachments to render the scene into. `None` before the first [`resize`](Self::resize).
+    pub fn gbuffer(&self) -> Option<&GBuffer> {
+        self.sized.as_ref().map(|s| &s.scratch.gbuffer)
+    }
+
+    /// Bytes of GPU memory held for the present size.
+    pub fn memory(&self) -> Memory {
+        let size = self.sized.as_ref().map_or([0, 0], |s| s.scratch.size);
+        Memory {
+            gbuffer: scratch::gbuffer_bytes(size, self.build.m),
+            scratch: if size == [0, 0] { 0 } else { scratch::scratch_bytes(size) },
+        }
+    }
+
+    /// The layout of [`TextureTable::bind_group`], for the host's own pipelines, at `@group(1)`.
+    pub fn texture_layout(&self) -> Option<&wgpu::BindGroupLayout> {
+        self.tables.as_ref().map(|t| &t.layout)
+    }
+
+    /// WGSL of `daa_texture` for the host's own pipelines: a directive that goes before all else, and the chunk.
+    pub fn texture_wgsl(tier: TextureTier) -> (&'static str, &'static str) {
+        (wgsl::directives(tier), wgsl::table_chunk(tier))
+    }
+
+    /// A table of the host's textures: `daa_texture(i, ..)` reads `textures[i]`. On [`TextureTier::Arrays`] the encoder
+    /// receives copies, so submit it before the textures go. Make a new table when textures come or go.
+    pub fn texture_table(
+        &self,
+        queue: &wgpu::Queue,
+        encoder: &mut wgpu::CommandEncoder,
+        textures: &[TableTexture<'_>],
+    ) -> Result<TextureTable, TableError> {
+        let tables = self.tables.as_ref().ok_or(TableError::NoTier)?;
+        tables.table(&self.build.device, queue, encoder, textures)
+    }
+
+    /// Compiles what frames with these settings need, so that none of them has to.
+    pub fn warm_up(&self, settings: &Settings) -> Result<(), RecordError> {
+        settings.validate()?;
+        for step in order(settings).into_iter().flatten() {
+            match step {
+                Step::First => drop(self.first.pipeline(&self.build)?),
+                Step::Metrics => drop(self.metrics.pipeline(&self.build)?),
+                Step::Plan => drop(self.plan.pipeline(&self.build)?),
+                Step::Shade(variant) => drop(self.shade.pipeline(&self.build, variant)?),
+                Step::Resolve(source) => drop(self.resolve.pipeline(&self.build, source)?),
+                Step::View => drop(self.view.pipeline(&self.build)?),
+            }
+        }
+        Ok(())
+    }
+
+    /// The passes that a frame with these settings records, in order.
+    pub fn passes(settings: &Settings) -> impl Iterator<Item = Pass> + use<> {
+        let steps = order(settings).into_iter().flatten();
+        steps.enumerate().map(|(index, step)| Pass { info: step.info(), step, index })
+    }
+
+    /// Records the frame: all its passes, and the copies of its statistics. Nothing is recorded if it fails.
+    pub fn record(
+        &mut self,
+        queue: &wgpu::Queue,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &Frame<'_>,
+    ) -> Result<(), RecordError> {
+        let recording = self.begin(queue, encoder, frame)?;
+        for pass in Self::passes(&frame.settings) {
+            recording.record(encoder, pass);
+        }
+        recording.finish(queue, encoder);
+        Ok(())
+    }
+
+    /// Begins a frame whose passes the host records itself, between its own or under its own profiler: each of
+    /// [`passes`](Self::passes) once, in their order, then [`Recording::finish`].
+    pub fn begin<'a>(
+        &'a mut self,
+        queue: &wgpu::Queue,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &'a Frame<'a>,
+    ) -> Result<Recording<'a>, RecordError> {
+        frame.settings.validate()?;
+        let sized = self.sized.as_ref().ok_or(RecordError::NoSize)?;
+        let [width, height] = sized.scratch.size;
+        let target = frame.target.texture();
+        let (target_width, target_height) = (target.width(), target.height());
+        // Views of other mips are the host's affair: only a texture that can't hold the image is refused.
+        if target.mip_level_count() == 1 && (target_width, target_height) != (width, height) {
+            return Err(RecordError::TargetSize { target_width, target_height, width, height });
+        }
+        let node = self.build.target_format;
+        if target.format().remove_srgb_suffix() != node.remove_srgb_suffix() {
+            return Err(RecordError::TargetFormat { target: target.format(), node });
+        }
+        if !target.usage().contains(wgpu::TextureUsages::RENDER_ATTACHMENT) {
+            return Err(RecordError::TargetUsage);
+        }
+        if self.build.host_layout.is_some() && frame.host_bind_group.is_none() {
+            return Err(RecordError::HostBindGroup);
+        }
+        if self.tables.is_some() && frame.textures.is_none() {
+            return Err(RecordError::Textures);
+        }
+        let uniform = FrameUniform::new(frame, sized.scratch.size, self.build.m)?;
+        self.warm_up(&frame.settings)?;
+
+        self.frame += 1;
+        let offset = self.frame % UNIFORM_SLOTS * UNIFORM_STRIDE;
+        queue.write_buffer(&self.uniforms, offset, bytemuck::bytes_of(&uniform));
+        encoder.clear_buffer(&sized.scratch.statistics, 0, None);
+        let mut recorded = Recorded::new(self.frame, frame.settings.technique, sized.scratch.size, self.build.m);
+        for pass in Self::passes(&frame.settings) {
+            recorded.push(pass.info.name);
+        }
+        Ok(Recording { aa: self, frame, offset: offset as u32, recorded })
+    }
+
+    /// What the newest frame did whose counters have arrived, some frames after it was submitted with
+    /// [`Frame::statistics`]. Never waits; the host's `submit` or `poll` moves it on.
+    pub fn statistics(&mut self) -> Option<&Statistics> {
+        self.collector.latest()
+    }
+}
+
+/// A frame under way. Dropped without [`finish`](Self::finish), it has no statistics.
+#[derive(Debug)]
+pub struct Recording<'a> {
+    aa: &'a mut DeferredAa,
+    frame: &'a Frame<'a>,
+    offset: u32,
+    recorded: Recorded,
+}
+
+impl Recording<'_> {
+    /// Records one pass.
+    pub fn record(&self, encoder: &mut wgpu::CommandEncoder, pass: Pass) {
+        let aa = &*self.aa;
+        let Some(sized) = &aa.sized else { return };
+        let timestamps = aa.collector.timestamps(pass.index).filter(|_| self.frame.statistics);
+        // `begin` has compiled them all.
+        let compute = match pass.step {
+            Step::First => aa.first.pipeline(&aa.build).ok().map(|p| (p, &sized.first, true)),
+            Step::Metrics => aa.metrics.pipeline(&aa.build).ok().map(|p| (p, &sized.metrics, false)),
+            Step::Plan => aa.plan.pipeline(&aa.build).ok().map(|p| (p, &sized.plan, false)),
+            Step::Shade(variant) => aa.shade.pipeline(&aa.build, variant).ok().map(|p| (p, &sized.shade, true)),
+            Step::Resolve(source) => {
+                let pipeline = aa.resolve.pipeline(&aa.build, source).ok();
+                return self.fullscreen(encoder, pass, pipeline, (&sized.frame, &sized.resolve), timestamps);
+            }
+            Step::View => {
+                let pipeline = aa.view.pipeline(&aa.build).ok();
+                return self.fullscreen(encoder, pass, pipeline, (&sized.frame, &sized.view), timestamps);
+            }
+        };
+        let Some((pipeline, own, shades)) = compute else { return };
+        let [x, y] = scratch::tiles(sized.scratch.size);
+        let mut compute = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some(pass.info.name),
+            timestamp_writes: timestamps.map(|(query_set, begin, end)| wgpu::ComputePassTimestampWrites {
+                query_set,
+                beginning_of_pass_write_index: Some(begin),
+                end_of_pass_write_index: Some(end),
+            }),
+        });
+        compute.set_pipeline(pipeline);
+        compute.set_bind_group(0, &sized.frame, &[self.offset]);
+        if shades {
+            if let Some(table) = self.frame.textures.filter(|_| aa.tables.is_some()) {
+                compute.set_bind_group(1, &table.bind_group, &[]);
+            }
+            if aa.build.host_layout.is_some() {
+                compute.set_bind_group(crate::HOST_GROUP, self.frame.host_bind_group, &[]);
+            }
+        }
+        compute.set_bind_group(3, own, &[]);
+        compute.dispatch_workgroups(x, y, 1);
+    }
+
+    fn fullscreen(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        pass: Pass,
+        pipeline: Option<&wgpu::RenderPipeline>,
+        (frame, own): (&wgpu::BindGroup, &wgpu::BindGroup),
+        timestamps: Option<(&wgpu::QuerySet, u32, u32)>,
+    ) {
+        let Some(pipeline) = pipeline else { return };
+        let mut render = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some(pass.info.name),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: self.frame.target,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                    store: wgpu::StoreOp::Store,
+                },
+            })],
+            depth_stencil_attachment: None,
+            timestamp_writes: timestamps.map(|(query_set, begin, end)| wgpu::RenderPassTimestampWrites {
+                query_set,
+                beginning_of_pass_write_index: Some(begin),
+                end_of_pass_write_index: Some(end),
+            }),
+            occlusion_query_set: None,
+            multiview_mask: None,
+        });
+        render.set_pipeline(pipeline);
+        render.set_bind_group(0, frame, &[self.offset]);
+        render.set_bind_group(3, own, &[]);
+        render.draw(0..3, 0..1);
+    }
+
+    /// Ends the frame: its statistics are on their way if [`Frame::statistics`] asks for them.
+    pub fn finish(self, queue: &wgpu::Queue, encoder: &mut wgpu::CommandEncoder) {
+        if let (true, Some(sized)) = (self.frame.statistics, &self.aa.sized) {
+            self.aa.collector.collect(queue, encoder, &sized.scratch.statistics, self.recorded);
+        }
+    }
+}
+
+fn check_size(size: [u32; 2], m: u32, limits: &wgpu::Limits) -> Result<(), SizeError> {
+    let [width, height] = size;
+    if width == 0 || height == 0 {
+        return Err(SizeError::Empty { width, height });
+    }
+    let limit = limits.max_texture_dimension_2d;
+    if size.iter().any(|side| side.checked_mul(m).is_none_or(|samples| samples > limit)) {
+        return Err(SizeError::TooLarge { width, height, m, limit });
+    }
+    let (bytes, limit) = (scratch::plan_bytes(size), limits.max_storage_buffer_binding_size.min(limits.max_buffer_size));
+    if bytes > limit {
+        return Err(SizeError::Buffer { width, height, bytes, limit });
+    }
+    Ok(())
+}
+
+fn frame_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+    let visibility = wgpu::ShaderStages::COMPUTE | wgpu::ShaderStages::FRAGMENT;
+    let texture = |binding, sample_type| wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility,
+        ty: wgpu::BindingType::Texture {
+            sample_type,
+            view_dimension: wgpu::TextureViewDimension::D2,
+            multisampled: false,
+        },
+        count: None,
+    };
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: Some("daa frame"),
+        entries: &[
+            wgpu::BindGroupLayoutEntry {
+                binding: 0,
+                visibility,
+                ty: wgpu::BindingType::Buffer {
+                    ty: wgpu::BufferBindingType::Uniform,
+                    has_dynamic_offset: true,
+                    min_binding_size: wgpu::BufferSize::new(size_of::<FrameUniform>() as u64),
+                },
+                count: None,
+            },
+            texture(1, wgpu::TextureSampleType::Depth),
+            texture(2, wgpu::TextureSampleType::Uint),
+            texture(3, wgpu::TextureSampleType::Uint),
+            texture(4, wgpu::TextureSampleType::Uint),
+        ],
+    })
+}
+
+fn bind_frame(
+    device: &wgpu::Device,
+    layout: &wgpu::BindGroupLayout,
+    uniforms: &wgpu::Buffer,
+    gbuffer: &GBuffer,
+) -> wgpu::BindGroup {
+    let view = |binding, view| wgpu::BindGroupEntry { binding, resource: wgpu::BindingResource::TextureView(view) };
+    device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("daa frame"),
+        layout,
+        entries: &[
+            wgpu::BindGroupEntry {
+                binding: 0,
+                resource: wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                    buffer: uniforms,
+                    offset: 0,
+                    size: wgpu::BufferSize::new(size_of::<FrameUniform>() as u64),
+                }),
+            },
+            view(1, &gbuffer.depth),
+            view(2, &gbuffer.color[0]),
+            view(3, &gbuffer.color[1]),
+            view(4, &gbuffer.color[2]),
+        ],
+    })
+}

@@ -1,0 +1,208 @@
+//! What the passes share when they build: layouts, joining, compiling once and on demand.
+
+use crate::error::PipelineError;
+use crate::wgsl::HostSource;
+use std::sync::OnceLock;
+
+/// Resources of the frame, by the names that [`Pass`](crate::Pass) lists.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Resource {
+    /// The attachments of [`GBuffer`](crate::GBuffer), rendered by the host.
+    GBuffer,
+    /// The host's bind group and the texture table.
+    Host,
+    /// S: the shaded first samples, w×h.
+    First,
+    /// k of each window, from the metrics.
+    Counts,
+    /// k and the place in the tile's list of each window.
+    Plan,
+    /// The means of windows with k > 1, w×h.
+    Color,
+    /// The counters.
+    Statistics,
+    /// The host's target.
+    Target,
+}
+
+/// What a pass is called, reads and writes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PassInfo {
+    /// As in `stats.json` and in timings.
+    pub name: &'static str,
+    /// What must be finished before.
+    pub reads: &'static [Resource],
+    /// What it changes.
+    pub writes: &'static [Resource],
+}
+
+/// What every pass builds on.
+#[derive(Debug)]
+pub(crate) struct Build {
+    pub device: wgpu::Device,
+    pub m: u32,
+    pub host: HostSource,
+    pub target_format: wgpu::TextureFormat,
+    /// `@group(0)`: the frame's constants and the G-buffer.
+    pub frame_layout: wgpu::BindGroupLayout,
+    /// `@group(1)`: the texture table.
+    pub table_layout: Option<wgpu::BindGroupLayout>,
+    /// `@group(2)`: the host's.
+    pub host_layout: Option<wgpu::BindGroupLayout>,
+}
+
+/// A pipeline that is compiled when it is first needed, and kept.
+#[derive(Debug)]
+pub(crate) struct Lazy<T>(OnceLock<T>);
+
+impl<T> Default for Lazy<T> {
+    fn default() -> Self {
+        Self(OnceLock::new())
+    }
+}
+
+impl<T> Lazy<T> {
+    pub fn get(&self, make: impl FnOnce() -> Result<T, PipelineError>) -> Result<&T, PipelineError> {
+        if self.0.get().is_none() {
+            // Two threads may both make it: the second one's is dropped.
+            let _ = self.0.set(make()?);
+        }
+        self.0.get().ok_or_else(|| unreachable!("set above"))
+    }
+}
+
+impl Build {
+    fn layout(&self, own: &wgpu::BindGroupLayout, shades: bool) -> wgpu::PipelineLayout {
+        let host = |layout: &'_ Option<wgpu::BindGroupLayout>| layout.clone().filter(|_| shades);
+        let (table, host) = (host(&self.table_layout), host(&self.host_layout));
+        self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some("daa"),
+            bind_group_layouts: &[Some(&self.frame_layout), table.as_ref(), host.as_ref(), Some(own)],
+            immediate_size: 0,
+        })
+    }
+
+    fn module(&self, pass: &'static str, source: String) -> wgpu::ShaderModule {
+        self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(pass),
+            source: wgpu::ShaderSource::Wgsl(source.into()),
+        })
+    }
+
+    /// A compute pipeline; `own` is its `@group(3)`. `shades`: the host's source runs in it.
+    pub fn compute(
+        &self,
+        pass: &'static str,
+        source: String,
+        entry: &str,
+        own: &wgpu::BindGroupLayout,
+        shades: bool,
+    ) -> Result<wgpu::ComputePipeline, PipelineError> {
+        self.checked(pass, || {
+            let module = self.module(pass, source);
+            self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some(pass),
+                layout: Some(&self.layout(own, shades)),
+                module: &module,
+                entry_point: Some(entry),
+                compilation_options: wgpu::PipelineCompilationOptions {
+                    constants: &[("DAA_M", f64::from(self.m))],
+                    ..Default::default()
+                },
+                cache: None,
+            })
+        })
+    }
+
+    /// A render pipeline that covers the target with one triangle.
+    pub fn fullscreen(
+        &self,
+        pass: &'static str,
+        source: String,
+        entries: [&str; 2],
+        own: &wgpu::BindGroupLayout,
+        constants: &[(&str, f64)],
+    ) -> Result<wgpu::RenderPipeline, PipelineError> {
+        self.checked(pass, || {
+            let module = self.module(pass, source);
+            let compilation_options = wgpu::PipelineCompilationOptions { constants, ..Default::default() };
+            self.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+                label: Some(pass),
+                layout: Some(&self.layout(own, false)),
+                vertex: wgpu::VertexState {
+                    module: &module,
+                    entry_point: Some(entries[0]),
+                    compilation_options: compilation_options.clone(),
+                    buffers: &[],
+                },
+                primitive: wgpu::PrimitiveState::default(),
+                depth_stencil: None,
+                multisample: wgpu::MultisampleState::default(),
+                fragment: Some(wgpu::FragmentState {
+                    module: &module,
+                    entry_point: Some(entries[1]),
+                    compilation_options,
+                    targets: &[Some(self.target_format.into())],
+                }),
+                multiview_mask: None,
+                cache: None,
+            })
+        })
+    }
+
+    /// Catches what wgpu says, so that a host's mistake comes back as an error.
+    fn checked<T>(&self, pass: &'static str, make: impl FnOnce() -> T) -> Result<T, PipelineError> {
+        let scope = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
+        let made = make();
+        match ready(scope.pop()) {
+            None => Ok(made),
+            Some(e) => {
+                let message = e.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
+                Err(PipelineError { pass, message })
+            }
+        }
+    }
+}
+
+/// The outcome of an error scope. On native backends it is there at once; in a browser it comes later, and the error goes
+/// to the console instead.
+pub(crate) fn ready(pop: impl Future<Output = Option<wgpu::Error>>) -> Option<wgpu::Error> {
+    let mut pop = std::pin::pin!(pop);
+    match pop.as_mut().poll(&mut std::task::Context::from_waker(std::task::Waker::noop())) {
+        std::task::Poll::Ready(error) => error,
+        std::task::Poll::Pending => None,
+    }
+}
+
+/// Entries of `@group(3)`.
+pub(crate) mod entry {
+    use wgpu::{BindGroupLayoutEntry, BindingType, BufferBindingType, ShaderStages};
+
+    pub fn texture(binding: u32, visibility: ShaderStages) -> BindGroupLayoutEntry {
+        let ty = BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Float { filterable: false },
+            view_dimension: wgpu::TextureViewDimension::D2,
+            multisampled: false,
+        };
+        BindGroupLayoutEntry { binding, visibility, ty, count: None }
+    }
+
+    pub fn store(binding: u32) -> BindGroupLayoutEntry {
+        let ty = BindingType::StorageTexture {
+            access: wgpu::StorageTextureAccess::WriteOnly,
+            format: crate::scratch::IMAGE_FORMAT,
+            view_dimension: wgpu::TextureViewDimension::D2,
+        };
+        BindGroupLayoutEntry { binding, visibility: ShaderStages::COMPUTE, ty, count: None }
+    }
+
+    pub fn buffer(binding: u32, visibility: ShaderStages, read_only: bool) -> BindGroupLayoutEntry {
+        let ty = BindingType::Buffer {
+            ty: BufferBindingType::Storage { read_only },
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        };
+        BindGroupLayoutEntry { binding, visibility, ty, count: None }
+    }
+}

@@ -1,0 +1,99 @@
+//! What a node will need, before anything is created.
+
+use crate::node::Descriptor;
+use crate::table::{BINDING_FEATURES, MAX_SAMPLERS, TextureTier};
+use crate::{gbuffer, scratch};
+
+/// What [`DeferredAa::new`](crate::DeferredAa::new) will ask of a device, and what this adapter can't give.
+#[derive(Debug, Clone)]
+pub struct Requirements {
+    /// The tier of the descriptor.
+    pub tier: TextureTier,
+    /// Request these from the adapter; those it lacks are left out.
+    pub features: wgpu::Features,
+    /// Request at least these.
+    pub limits: wgpu::Limits,
+    /// What the node can't do without and the adapter lacks. Empty: the node can be built.
+    pub missing: Vec<String>,
+    /// What works less well here, a line each.
+    pub lost: Vec<String>,
+    m: u32,
+}
+
+/// Bytes of GPU memory at one size.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Memory {
+    /// The attachments that the host renders into.
+    pub gbuffer: u64,
+    /// All else that the node holds.
+    pub scratch: u64,
+}
+
+impl Requirements {
+    pub(crate) fn of(adapter: &wgpu::Adapter, descriptor: &Descriptor<'_>) -> Self {
+        let (needed, wanted) = features(descriptor);
+        let has = adapter.features();
+        let limits = limits(descriptor);
+        let mut missing: Vec<String> = (needed - has).iter_names().map(|(name, _)| format!("feature {name}")).collect();
+        missing.extend(missing_limits(&limits, &adapter.limits()));
+        let usages = adapter.get_texture_format_features(descriptor.target_format).allowed_usages;
+        if !usages.contains(wgpu::TextureUsages::RENDER_ATTACHMENT) {
+            missing.push(format!("rendering to {:?}", descriptor.target_format));
+        }
+        let mut lost = Vec::new();
+        if !has.contains(wgpu::Features::TIMESTAMP_QUERY) {
+            lost.push("no timestamps: statistics have no times".to_owned());
+        }
+        let anisotropy = wgpu::DownlevelFlags::ANISOTROPIC_FILTERING;
+        if !adapter.get_downlevel_capabilities().flags.contains(anisotropy) {
+            lost.push("no anisotropic filtering: textures blur at grazing angles".to_owned());
+        }
+        if descriptor.textures == TextureTier::Arrays && has.contains(BINDING_FEATURES) {
+            lost.push("textures are copied into arrays: TextureTier::Bindings would read them in place".to_owned());
+        }
+        Self { tier: descriptor.textures, features: (needed | wanted) & has, limits, missing, lost, m: descriptor.m }
+    }
+
+    /// Bytes that [`resize`](crate::DeferredAa::resize) to this size will allocate, without padding.
+    pub fn memory(&self, width: u32, height: u32) -> Memory {
+        Memory {
+            gbuffer: gbuffer::BYTES_PER_SAMPLE * u64::from(self.m * self.m) * u64::from(width) * u64::from(height),
+            scratch: scratch::scratch_bytes([width, height]),
+        }
+    }
+}
+
+/// Needed, and used where it is there.
+fn features(descriptor: &Descriptor<'_>) -> (wgpu::Features, wgpu::Features) {
+    let needed = match descriptor.textures {
+        TextureTier::Bindings => BINDING_FEATURES,
+        _ => wgpu::Features::empty(),
+    };
+    (needed, wgpu::Features::TIMESTAMP_QUERY)
+}
+
+fn limits(descriptor: &Descriptor<'_>) -> wgpu::Limits {
+    let mut limits = wgpu::Limits::default();
+    if descriptor.textures == TextureTier::Bindings {
+        limits.max_binding_array_elements_per_shader_stage = descriptor.texture_capacity;
+        limits.max_binding_array_sampler_elements_per_shader_stage = MAX_SAMPLERS as u32;
+    }
+    limits
+}
+
+fn missing_limits(needed: &wgpu::Limits, has: &wgpu::Limits) -> Vec<String> {
+    let mut missing = Vec::new();
+    needed.check_limits_with_fail_fn(has, false, |name, wanted, allowed| {
+        missing.push(format!("limit {name} = {wanted} (it has {allowed})"));
+    });
+    missing
+}
+
+/// What the device lacks for the descriptor.
+pub(crate) fn missing(device: &wgpu::Device, descriptor: &Descriptor<'_>) -> Vec<String> {
+    let (needed, _) = features(descriptor);
+    let mut missing: Vec<String> =
+        (needed - device.features()).iter_names().map(|(name, _)| format!("feature {name}")).collect();
+    missing.extend(missing_limits(&limits(descriptor), &device.limits()));
+    missing
+}

@@ -1,0 +1,238 @@
+//! What a host may change at any frame.
+
+use crate::error::SettingsError;
+
+/// Everything that can change between two frames without a rebuild.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
+pub struct Settings {
+    /// How samples are planned and put together.
+    pub technique: Technique,
+    /// How planned samples are run. Changes the time, not the image.
+    pub execution: Execution,
+    /// The metrics of [`Technique::Windowed`].
+    pub windowed: Windowed,
+    /// How the samples of a pixel are weighted.
+    pub weight: Weight,
+    /// What is written to the target.
+    pub view: DebugView,
+}
+
+/// A way to plan and reconstruct over the same G-buffer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+pub enum Technique {
+    /// Every sample is shaded: full supersampling, the grid reference.
+    Full,
+    /// The rank-0 sample alone, with the whole pixel as its texture footprint: plain deferred shading.
+    Single,
+    /// The first k samples, k from what differs in the window (Holländer, Boubekeur, Eisemann 2013).
+    #[default]
+    Windowed,
+}
+
+/// How planned samples are run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+pub enum Execution {
+    /// Each pixel shades its own samples in a loop (Holländer et al. 2013, section 4.2). Lanes wait for the pixel with
+    /// the most samples.
+    Loop,
+    /// A workgroup shades the samples of an 8 × 8 tile end to end, every lane busy.
+    #[default]
+    Tiled,
+}
+
+/// The metrics of [`Technique::Windowed`]: k is the greatest that any of them asks for, rounded, from 1 to n = m².
+///
+/// Each metric has a constant c of its own; 0 switches it off. The default is tuned on built-in scenes; [`Self::PAPER`]
+/// has the paper's metrics alone.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
+pub struct Windowed {
+    /// Which measure of depth is used.
+    pub depth: DepthMeasure,
+    /// Samples per unit of the depth measure, 0 to 1e9. Higher: more samples at depth edges, down to the noise of the
+    /// depth buffer. Lower: fewer; 0: off. What it multiplies is relative to depth, so it needs no scene units.
+    pub depth_scale: f32,
+    /// Samples per √(1 − cos θ), θ from the mean normal to the one furthest from it (section 3.1), 0 to 1e6. Higher: more
+    /// samples on curved surfaces and creases. Lower: fewer; 0: off.
+    pub normal_scale: f32,
+    /// Normals that point the opposite way count as equal: the paper's |n̄·n|. For leaves drawn as one-sided planes.
+    pub two_sided: bool,
+    /// Samples per unit of luminance range over the neighbouring first samples (section 3.1), 0 to 1e6. Higher: more
+    /// samples at edges of light and texture. Lower: fewer; 0: off.
+    pub luminance_scale: f32,
+    /// Ranges below are no edge, 0 to 1e6. Higher: less work in dark noise; lower: fainter edges are seen. FXAA's
+    /// published range is 0.0312 to 0.0833.
+    pub luminance_min: f32,
+    /// Ranges below this share of the greatest luminance are no edge, 0 to 1. Higher: fewer samples in bright texture;
+    /// lower: more. FXAA's published range is 0.125 to 0.166.
+    pub luminance_edge: f32,
+    /// Whether the range is taken of luminance as it is, or as a display would show it.
+    pub luminance: LuminanceCurve,
+    /// The pixel itself counts in its range, as in FXAA. Off: its four neighbours alone, the paper's wording.
+    pub luminance_centre: bool,
+    /// Samples for a window with more than one material or object, 0 to 64. Higher: better edges between coplanar
+    /// materials; 0: off. Not in the paper.
+    pub identity_samples: f32,
+    /// The texture footprint of k samples is moved to the window's centre. The printed matrices put the first ones up to
+    /// a quarter pixel off it. Not in the paper.
+    pub centred: bool,
+    /// The most samples beyond the first that a tile of 8 × 8 pixels may ask for, up to 4032 = 64 · 63, where nothing is
+    /// limited. A tile that asks for more falls back to k = 1 and is counted in the statistics. Lower: bounds the time
+    /// of the worst tile.
+    pub tile_limit: u32,
+}
+
+/// What the depth metric measures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+pub enum DepthMeasure {
+    /// The variance of the window's depths over their squared mean (section 3.1; the paper leaves the unit of depth open).
+    /// A slanted plane counts as an edge.
+    Variance,
+    /// The greatest step between neighbours that no plane through either side explains, over their depth. A slanted plane
+    /// does not count.
+    #[default]
+    Discontinuity,
+}
+
+/// The luminance that the luminance metric sees.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+pub enum LuminanceCurve {
+    /// Linear, times the exposure. For hosts whose radiance lies in [0, 1].
+    Linear,
+    /// √(l/(1+l)) of it: about what a display shows, so that a range means the same in light and shade.
+    #[default]
+    Perceptual,
+}
+
+/// How the samples of a pixel are weighted in their mean.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+pub enum Weight {
+    /// All alike: the exact linear mean.
+    #[default]
+    Linear,
+    /// 1/(1 + exposed luminance): bright samples cannot outshine an edge (Karis 2014). Darker than the linear mean.
+    Luminance,
+}
+
+/// What is written to the target.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+#[repr(u32)]
+pub enum DebugView {
+    /// The anti-aliased image.
+    #[default]
+    Image = 0,
+    /// k, on a log scale: 1 black, through red and yellow, n white.
+    Count = 1,
+    /// The metric that decided k: black none, red depth, green normal, blue luminance, yellow identity.
+    Decided = 2,
+    /// The first samples S, exposed, c/(1+c).
+    First = 3,
+    /// Fourth root of the depth buffer's value, of the rank-0 sample as in all that follow.
+    Depth = 4,
+    /// Normal · ½ + ½.
+    Normal = 5,
+    /// Geometric normal · ½ + ½.
+    GeometricNormal = 6,
+    /// Tangent · ½ + ½.
+    Tangent = 7,
+    /// The fraction of u in red, of v in green.
+    Uv = 8,
+    /// log2 of the uv gradient's length: 2⁻¹⁶ black, 1 white.
+    Gradient = 9,
+    /// A colour for each material.
+    Material = 10,
+    /// A colour for each object.
+    Object = 11,
+    /// The host's 32 bits as RGB, 8 bits each.
+    User = 12,
+}
+
+impl DebugView {
+    /// All of them, in order.
+    pub const ALL: [Self; 13] = [
+        Self::Image,
+        Self::Count,
+        Self::Decided,
+        Self::First,
+        Self::Depth,
+        Self::Normal,
+        Self::GeometricNormal,
+        Self::Tangent,
+        Self::Uv,
+        Self::Gradient,
+        Self::Material,
+        Self::Object,
+        Self::User,
+    ];
+}
+
+impl Windowed {
+    /// The metrics of Holländer et al. 2013 and nothing else. The paper gives no constants: c is chosen here, the thresholds
+    /// are FXAA's defaults, which section 3.1 refers to.
+    pub const PAPER: Self = Self {
+        depth: DepthMeasure::Variance,
+        depth_scale: 2000.0,
+        normal_scale: 16.0,
+        two_sided: true,
+        luminance_scale: 32.0,
+        luminance_min: 0.0625,
+        luminance_edge: 0.125,
+        luminance: LuminanceCurve::Perceptual,
+        luminance_centre: false,
+        identity_samples: 0.0,
+        centred: false,
+        tile_limit: Self::NO_TILE_LIMIT,
+    };
+
+    /// 64 pixels of 63 samples beyond the first.
+    pub const NO_TILE_LIMIT: u32 = 64 * 63;
+}
+
+impl Default for Windowed {
+    fn default() -> Self {
+        Self {
+            depth: DepthMeasure::Discontinuity,
+            depth_scale: 2000.0,
+            normal_scale: 16.0,
+            two_sided: false,
+            luminance_scale: 60.0,
+            luminance_min: 0.02,
+            luminance_edge: 0.05,
+            luminance: LuminanceCurve::Perceptual,
+            luminance_centre: true,
+            identity_samples: 0.0,
+            centred: true,
+            tile_limit: Self::NO_TILE_LIMIT,
+        }
+    }
+}
+
+impl Settings {
+    /// Names the first field that is out of its range. [`record`](crate::DeferredAa::record) calls it.
+    pub fn validate(&self) -> Result<(), SettingsError> {
+        let w = &self.windowed;
+        let ranges = [
+            ("windowed.depth_scale", w.depth_scale, 1e9),
+            ("windowed.normal_scale", w.normal_scale, 1e6),
+            ("windowed.luminance_scale", w.luminance_scale, 1e6),
+            ("windowed.luminance_min", w.luminance_min, 1e6),
+            ("windowed.luminance_edge", w.luminance_edge, 1.0),
+            ("windowed.identity_samples", w.identity_samples, 64.0),
+            ("windowed.tile_limit", w.tile_limit as f32, Windowed::NO_TILE_LIMIT as f32),
+        ];
+        for (field, value, most) in ranges {
+            // Written so that NaN fails.
+            if !(0.0..=most).contains(&value) {
+                return Err(SettingsError { field, value, least: 0.0, most });
+            }
+        }
+        Ok(())
+    }
+}
