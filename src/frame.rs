@@ -11,7 +11,7 @@ pub struct Camera {
     /// World from view: rotation and translation, no scale. View space looks along −z, y up.
     pub world_from_view: Mat4,
     /// The projection that the G-buffer was rendered with, reversed z: 1 at the near plane, 0 at the far plane or at
-    /// infinity ([`Mat4::perspective_infinite_reverse_rh`]).
+    /// infinity.
     pub clip_from_view: Mat4,
 }
 

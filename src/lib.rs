@@ -59,7 +59,7 @@ pub use error::{
 };
 pub use frame::{Camera, Frame};
 pub use gbuffer::GBuffer;
-pub use node::{DeferredAa, Descriptor, Pass, Recording, Shading};
+pub use node::{DeferredAa, Descriptor, Intermediates, Pass, Recording, Shading};
 pub use pipeline::{PassInfo, Resource};
 pub use requirements::{Memory, Requirements};
 pub use settings::{

@@ -86,6 +86,29 @@ struct Sized {
     view: wgpu::BindGroup,
 }
 
+/// What the passes hand to each other. All can be copied from.
+#[derive(Debug, Clone, Copy)]
+pub struct Intermediates<'a> {
+    /// S, `Rgba32Float`, w×h.
+    pub first: &'a wgpu::Texture,
+    /// The means of windows with k > 1, `Rgba32Float`, w×h; elsewhere what was there before.
+    pub color: &'a wgpu::Texture,
+    /// The plan of [`Technique::Windowed`]: a word for each pixel of each tile, k in bits 0 to 7, the deciding metric in
+    /// bits 8 to 15 (0 nothing, 1 depth, 2 normal, 3 luminance, 4 identity), the samples of the tile before this window's
+    /// in bits 16 to 31. See [`plan_index`](Self::plan_index).
+    pub plan: &'a wgpu::Buffer,
+    /// Tiles along x and y.
+    pub tiles: [u32; 2],
+}
+
+impl Intermediates<'_> {
+    /// Where in the plan a pixel's word lies.
+    pub fn plan_index(&self, x: u32, y: u32) -> usize {
+        let tile = (y / crate::TILE) * self.tiles[0] + x / crate::TILE;
+        (tile * crate::TILE * crate::TILE + (y % crate::TILE) * crate::TILE + x % crate::TILE) as usize
+    }
+}
+
 /// A pass of the frame, in the order in which [`Recording::passes`] yields it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Pass {
@@ -251,6 +274,16 @@ impl DeferredAa {
     /// The attachments to render the scene into. `None` before the first [`resize`](Self::resize).
     pub fn gbuffer(&self) -> Option<&GBuffer> {
         self.sized.as_ref().map(|s| &s.scratch.gbuffer)
+    }
+
+    /// What the passes hand to each other, for tools and tests. `None` before the first [`resize`](Self::resize).
+    pub fn intermediates(&self) -> Option<Intermediates<'_>> {
+        self.sized.as_ref().map(|s| Intermediates {
+            first: s.scratch.first.texture(),
+            color: s.scratch.color.texture(),
+            plan: &s.scratch.plan,
+            tiles: scratch::tiles(s.scratch.size),
+        })
     }
 
     /// Bytes of GPU memory held for the present size.

@@ -1,1 +1,16 @@
-//! wip
+//! A host for deferred-aa: glTF and built-in scenes, a G-buffer, a shading model, and the commands that measure.
+//!
+//! It uses the library as any host would. Tests and benches use the same host.
+
+#![deny(missing_docs)]
+
+pub mod commands;
+pub mod gpu;
+pub mod host;
+pub mod mips;
+pub mod picture;
+pub mod quality;
+pub mod raster;
+pub mod scene;
+pub mod stats;
+pub mod upload;

@@ -79,7 +79,10 @@ pub enum QualityError {
         source: PictureError,
     },
     /// The pictures differ in size.
-    #[error("the image is {}x{} and the reference {}x{}: render both at one size", image.0, image.1, reference.0, reference.1)]
+    #[error(
+        "the image is {}x{}, the reference {}x{}: render both at one size",
+        image.0, image.1, reference.0, reference.1
+    )]
     Size {
         /// Width and height of the image.
         image: (u32, u32),
@@ -508,7 +511,7 @@ mod tests {
         let message = |a: &Picture, b: &Picture| compare(a, b, None).unwrap_err().to_string();
         assert!(message(&empty, &empty).contains("the image can't be measured: a picture of 0x1 has no pixels"));
         assert!(message(&one, &empty).contains("the reference can't be measured"));
-        assert!(message(&one, &flat(1, 2, 0)).contains("the image is 1x1 and the reference 1x2"));
+        assert!(message(&one, &flat(1, 2, 0)).contains("the image is 1x1, the reference 1x2"));
         assert!(message(&Picture { rgba: vec![], ..one.clone() }, &one).contains("0 pixels do not fill 1x1"));
     }
 

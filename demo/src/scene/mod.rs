@@ -135,7 +135,7 @@ pub struct Texture {
 }
 
 /// What happens outside [0, 1].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub enum Wrap {
     /// Tiles.
     #[default]

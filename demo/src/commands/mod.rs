@@ -1,0 +1,220 @@
+//! The command line.
+
+mod adapters;
+mod demo;
+mod render;
+mod set;
+
+use crate::gpu::{self, Gpu, GpuError};
+use crate::host::{self, Host, HostError, Options};
+use crate::picture::PictureError;
+use crate::quality::QualityError;
+use crate::raster::look_at;
+use crate::scene::load::LoadError;
+use crate::scene::{Camera, Scene, builtin, load};
+use deferred_aa::{BINDING_FEATURES, Technique, TextureTier};
+use glam::Vec3;
+use std::path::{Path, PathBuf};
+
+/// Adaptive supersampling of deferred scenes: renders, measures, compares.
+#[derive(Debug, clap::Parser)]
+#[command(name = "deferred-aa-demo", version)]
+pub struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, clap::Subcommand)]
+enum Command {
+    /// Renders a scene by one technique: image.png, image.exr, samples.png and stats.json.
+    Render(render::Render),
+    /// Renders a scene by Single, Windowed and Full, draws a comparison strip and prints a table.
+    Demo(demo::Demo),
+    /// Lists the graphics adapters and what each can run.
+    Adapters,
+}
+
+/// A command failed.
+#[derive(Debug, thiserror::Error)]
+pub enum CommandError {
+    /// No device.
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+    /// The scene.
+    #[error(transparent)]
+    Load(#[from] LoadError),
+    /// The frame.
+    #[error(transparent)]
+    Host(#[from] HostError),
+    /// A picture.
+    #[error(transparent)]
+    Picture(#[from] PictureError),
+    /// A measure.
+    #[error(transparent)]
+    Quality(#[from] QualityError),
+    /// Something on the command line.
+    #[error("{argument}: {problem}")]
+    Argument {
+        /// Which.
+        argument: String,
+        /// What is wrong and what to do.
+        problem: String,
+    },
+    /// A file or folder.
+    #[error("{path}: {source}", path = .path.display())]
+    File {
+        /// Which.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+}
+
+impl Cli {
+    /// Runs the command.
+    pub fn run(self) -> Result<(), CommandError> {
+        match self.command {
+            Command::Render(render) => render.run(),
+            Command::Demo(demo) => demo.run(),
+            Command::Adapters => {
+                adapters::run();
+                Ok(())
+            }
+        }
+    }
+}
+
+/// What to look at, and at which size: shared by all commands that render.
+#[derive(Debug, Clone, clap::Args)]
+struct ViewArgs {
+    /// A built-in scene (atrium, fence, checker, spheres, cornell, flat, empty) or a .gltf or .glb file.
+    #[arg(long, default_value = "atrium")]
+    scene: String,
+    /// Which scene of a glTF file that has several, from 0; its default scene if not given.
+    #[arg(long)]
+    scene_index: Option<usize>,
+    /// Pixels, WIDTHxHEIGHT.
+    #[arg(long, default_value = "960x540", value_parser = parse_size)]
+    size: (u32, u32),
+    /// Samples along one side of a pixel's window, 1 to 8.
+    #[arg(long, short, default_value_t = 4)]
+    m: u32,
+    /// x,y,z,tx,ty,tz[,fov]: from where, to where, vertical field of view in degrees; else the scene's own camera, or one
+    /// that frames it.
+    #[arg(long, allow_hyphen_values = true, value_parser = parse_camera)]
+    camera: Option<CameraArg>,
+    /// Runs the light loop this often, to stand for costly shading.
+    #[arg(long, default_value_t = 1)]
+    stall: u32,
+    /// How textures are reached: arrays (plain WebGPU limits), bindings (binding arrays), or auto.
+    #[arg(long, default_value = "auto")]
+    textures: TextureArg,
+    /// Of texture reads, 1 to 16.
+    #[arg(long, default_value_t = 16)]
+    anisotropy: u16,
+    /// Part of the adapter's name; `adapters` lists them.
+    #[arg(long)]
+    adapter: Option<String>,
+    /// Where results go; made if it is not there.
+    #[arg(long)]
+    out: PathBuf,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum TextureArg {
+    Auto,
+    Arrays,
+    Bindings,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct CameraArg {
+    eye: Vec3,
+    target: Vec3,
+    fov_y: f32,
+}
+
+fn parse_size(text: &str) -> Result<(u32, u32), String> {
+    let cure = || format!("'{text}' is no size: write WIDTHxHEIGHT in pixels, such as 1024x768");
+    let (w, h) = text.split_once(['x', '×']).ok_or_else(cure)?;
+    match (w.parse(), h.parse()) {
+        (Ok(w), Ok(h)) if w > 0 && h > 0 => Ok((w, h)),
+        _ => Err(cure()),
+    }
+}
+
+fn parse_camera(text: &str) -> Result<CameraArg, String> {
+    let numbers: Result<Vec<f32>, _> = text.split(',').map(|n| n.trim().parse::<f32>()).collect();
+    let numbers = numbers
+        .ok()
+        .filter(|n| (n.len() == 6 || n.len() == 7) && n.iter().all(|v| v.is_finite()))
+        .ok_or_else(|| format!("'{text}' is no camera: write x,y,z,tx,ty,tz or x,y,z,tx,ty,tz,fov"))?;
+    let fov = numbers.get(6).copied().unwrap_or(60.0);
+    let (eye, target) = (Vec3::from_slice(&numbers), Vec3::from_slice(&numbers[3..]));
+    if !(1.0..=170.0).contains(&fov) {
+        return Err(format!("field of view {fov} must lie in 1 to 170 degrees"));
+    }
+    if eye == target {
+        return Err("the camera looks at its own place: move the target".to_owned());
+    }
+    Ok(CameraArg { eye, target, fov_y: fov.to_radians() })
+}
+
+/// Loads by name or path.
+pub fn open_scene(name: &str, index: Option<usize>) -> Result<Scene, CommandError> {
+    if let Some(scene) = builtin::builtin(name) {
+        return Ok(scene);
+    }
+    let path = Path::new(name);
+    if path.extension().is_none() && !path.exists() {
+        let problem = format!("no built-in scene '{name}': choose {} or a .gltf or .glb file", builtin::NAMES.join(", "));
+        return Err(CommandError::Argument { argument: "--scene".to_owned(), problem });
+    }
+    Ok(load::load(path, index)?)
+}
+
+impl ViewArgs {
+    /// The host with its scene loaded, and the camera. Notices go to stderr.
+    fn open(&self) -> Result<(Host, Camera), CommandError> {
+        let argument = |argument: &str, problem: String| CommandError::Argument { argument: argument.into(), problem };
+        if !(1..=deferred_aa::window::MAX_M).contains(&self.m) {
+            return Err(argument("--m", format!("{} is not in 1 to 8", self.m)));
+        }
+        if !(1..=16).contains(&self.anisotropy) {
+            return Err(argument("--anisotropy", format!("{} is not in 1 to 16", self.anisotropy)));
+        }
+        if self.stall == 0 {
+            return Err(argument("--stall", "0 would not light anything: 1 or more".to_owned()));
+        }
+        let scene = open_scene(&self.scene, self.scene_index)?;
+        std::fs::create_dir_all(&self.out)
+            .map_err(|source| CommandError::File { path: self.out.clone(), source })?;
+        let adapter = gpu::choose(self.adapter.as_deref())?;
+        let textures = match self.textures {
+            TextureArg::Arrays => TextureTier::Arrays,
+            TextureArg::Bindings => TextureTier::Bindings,
+            TextureArg::Auto if adapter.features().contains(BINDING_FEATURES) => TextureTier::Bindings,
+            TextureArg::Auto => TextureTier::Arrays,
+        };
+        let gpu = Gpu::new(adapter, &host::descriptor(self.m, textures))?;
+        let own = scene.default_camera();
+        let camera = self.camera.map_or(own, |c| look_at(c.eye, c.target, c.fov_y, own.near));
+        let (width, height) = self.size;
+        let options =
+            Options { width, height, m: self.m, textures, stall: self.stall, anisotropy: self.anisotropy };
+        let host = Host::new(gpu, scene, options)?;
+        for notice in host.scene.notices.iter().chain(&host.uploaded.notices) {
+            eprintln!("note: {notice}");
+        }
+        Ok((host, camera))
+    }
+}
+
+fn parse_technique(text: &str) -> Result<Technique, String> {
+    match text {
+        "full" => Ok(Technique::Full),
+        "single" => Ok(Technique::Single),
+        "windowed" => Ok(Technique::Windowed),
+        _ => Err(format!("no technique '{text}': choose full, single or windowed")),
+    }
+}

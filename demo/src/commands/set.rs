@@ -1,0 +1,76 @@
+//! `--set key=value`: any field of the settings by its path.
+
+use super::CommandError;
+use deferred_aa::Settings;
+use serde_json::Value;
+
+/// The settings with all assignments applied, checked.
+pub fn apply(settings: Settings, assignments: &[String]) -> Result<Settings, CommandError> {
+    let mut tree = serde_json::to_value(settings).unwrap_or_default();
+    for assignment in assignments {
+        let wrong = |problem| CommandError::Argument { argument: format!("--set {assignment}"), problem };
+        let (path, value) = assignment.split_once('=').ok_or_else(|| wrong("write key=value".to_owned()))?;
+        let mut place = &mut tree;
+        for key in path.trim().split('.') {
+            let choices = place.as_object().map(|o| o.keys().cloned().collect::<Vec<_>>().join(", "));
+            place = place.as_object_mut().and_then(|o| o.get_mut(key)).ok_or_else(|| {
+                wrong(match choices {
+                    Some(choices) => format!("no setting '{key}': choose {choices}"),
+                    None => format!("'{key}' is below a plain value"),
+                })
+            })?;
+        }
+        if place.is_object() {
+            return Err(wrong("names a group of settings: name one of its fields".to_owned()));
+        }
+        let value = value.trim();
+        *place = match value {
+            "on" => Value::Bool(true),
+            "off" => Value::Bool(false),
+            _ => serde_json::from_str(value).unwrap_or_else(|_| Value::String(value.to_owned())),
+        };
+        // At once, so that the message names the assignment at fault.
+        let settings: Settings = serde_json::from_value(tree.clone()).map_err(|e| wrong(e.to_string()))?;
+        settings.validate().map_err(|e| wrong(e.to_string()))?;
+    }
+    serde_json::from_value(tree)
+        .map_err(|e| CommandError::Argument { argument: "--set".to_owned(), problem: e.to_string() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use deferred_aa::{DepthMeasure, Execution};
+
+    fn set(assignments: &[&str]) -> Result<Settings, String> {
+        let owned: Vec<_> = assignments.iter().map(|&a| a.to_owned()).collect();
+        apply(Settings::default(), &owned).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn fields_are_set_by_path() {
+        let s = set(&["windowed.depth_scale=3", "windowed.depth=variance", "execution=loop", "windowed.two_sided=on"]);
+        let s = s.unwrap();
+        assert_eq!(s.windowed.depth_scale, 3.0);
+        assert_eq!(s.windowed.depth, DepthMeasure::Variance);
+        assert_eq!(s.execution, Execution::Loop);
+        assert!(s.windowed.two_sided);
+    }
+
+    #[test]
+    fn mistakes_name_the_cure() {
+        for (assignment, part) in [
+            ("windowed.depth_scale=-1", "must lie in 0 to"),
+            ("windowed.depth_scale=NaN", "invalid type"),
+            ("windowed.depths=1", "choose"),
+            ("windowed=1", "names a group"),
+            ("execution=warp", "unknown variant"),
+            ("execution", "key=value"),
+            ("execution.x=1", "below a plain value"),
+        ] {
+            let message = set(&[assignment]).unwrap_err();
+            assert!(message.contains(part), "{assignment}: {message}");
+            assert!(message.starts_with(&format!("--set {assignment}")), "{message}");
+        }
+    }
+}

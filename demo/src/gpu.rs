@@ -1,0 +1,157 @@
+//! Adapters and devices.
+
+use deferred_aa::{DeferredAa, Descriptor};
+use std::sync::{Arc, Mutex};
+
+/// A device, its queue, and what went wrong on it.
+#[derive(Debug, Clone)]
+pub struct Gpu {
+    /// Where it came from.
+    pub adapter: wgpu::Adapter,
+    /// The device.
+    pub device: wgpu::Device,
+    /// Its queue.
+    pub queue: wgpu::Queue,
+    errors: Arc<Mutex<Vec<String>>>,
+}
+
+/// No device could be had.
+#[derive(Debug, Clone, thiserror::Error)]
+pub enum GpuError {
+    /// No adapter at all, or none of that name.
+    #[error("no graphics adapter{}: install a Vulkan driver (on Debian: apt-get install mesa-vulkan-drivers); `deferred-aa-demo adapters` lists what there is",
+        .0.as_ref().map(|n| format!(" has '{n}' in its name")).unwrap_or_default())]
+    NoAdapter(Option<String>),
+    /// The adapter can't run the node.
+    #[error("adapter '{adapter}' can't run the node, it lacks: {}; choose another with --adapter", .missing.join(", "))]
+    Missing {
+        /// Its name.
+        adapter: String,
+        /// What it lacks.
+        missing: Vec<String>,
+    },
+    /// The driver refused.
+    #[error("adapter '{adapter}' gave no device: {message}; choose another with --adapter")]
+    Device {
+        /// Its name.
+        adapter: String,
+        /// What it said.
+        message: String,
+    },
+}
+
+fn instance() -> wgpu::Instance {
+    wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env())
+}
+
+/// All adapters that wgpu finds.
+pub fn adapters() -> Vec<wgpu::Adapter> {
+    pollster::block_on(instance().enumerate_adapters(wgpu::Backends::all()))
+}
+
+/// The adapter whose name holds `name`, else the one that wgpu prefers, software at last.
+pub fn choose(name: Option<&str>) -> Result<wgpu::Adapter, GpuError> {
+    let lower = name.map(str::to_lowercase);
+    let mut all: Vec<_> = adapters()
+        .into_iter()
+        .filter(|a| lower.as_ref().is_none_or(|n| a.get_info().name.to_lowercase().contains(n)))
+        .collect();
+    all.sort_by_key(|a| match a.get_info().device_type {
+        wgpu::DeviceType::DiscreteGpu => 0,
+        wgpu::DeviceType::IntegratedGpu => 1,
+        wgpu::DeviceType::VirtualGpu => 2,
+        wgpu::DeviceType::Other => 3,
+        wgpu::DeviceType::Cpu => 4,
+    });
+    all.into_iter().next().ok_or_else(|| GpuError::NoAdapter(name.map(str::to_owned)))
+}
+
+impl Gpu {
+    /// A device that can run nodes of this descriptor, with the adapter's own limits so that large frames fit.
+    pub fn new(adapter: wgpu::Adapter, descriptor: &Descriptor<'_>) -> Result<Self, GpuError> {
+        let requirements = DeferredAa::requirements(&adapter, descriptor);
+        if !requirements.missing.is_empty() {
+            return Err(GpuError::Missing { adapter: adapter.get_info().name, missing: requirements.missing });
+        }
+        Self::with(adapter.clone(), requirements.features, adapter.limits())
+    }
+
+    /// A device with exactly these features and limits.
+    pub fn with(adapter: wgpu::Adapter, features: wgpu::Features, limits: wgpu::Limits) -> Result<Self, GpuError> {
+        let request = adapter.request_device(&wgpu::DeviceDescriptor {
+            label: Some("deferred-aa-demo"),
+            required_features: features,
+            required_limits: limits,
+            ..Default::default()
+        });
+        let (device, queue) = pollster::block_on(request).map_err(|e| GpuError::Device {
+            adapter: adapter.get_info().name,
+            message: e.to_string().split_whitespace().collect::<Vec<_>>().join(" "),
+        })?;
+        let errors = Arc::new(Mutex::new(Vec::new()));
+        let log = errors.clone();
+        device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| {
+            log.lock().unwrap_or_else(std::sync::PoisonError::into_inner).push(e.to_string());
+        }));
+        Ok(Self { adapter, device, queue, errors })
+    }
+
+    /// Everything that wgpu complained of since the last call. Empty in a sound program.
+    pub fn take_errors(&self) -> Vec<String> {
+        std::mem::take(&mut *self.errors.lock().unwrap_or_else(std::sync::PoisonError::into_inner))
+    }
+
+    /// Waits until the GPU has done what was submitted, so that callbacks have run.
+    pub fn wait(&self) {
+        // The only failure is a time-out, and this has none.
+        let _ = self.device.poll(wgpu::PollType::wait_indefinitely());
+    }
+
+    /// Bytes of a buffer that was made with `COPY_SRC`.
+    pub fn read_buffer(&self, buffer: &wgpu::Buffer) -> Vec<u8> {
+        let copy = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("read back"),
+            size: buffer.size(),
+            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let mut encoder = self.device.create_command_encoder(&Default::default());
+        encoder.copy_buffer_to_buffer(buffer, 0, &copy, 0, buffer.size());
+        self.queue.submit([encoder.finish()]);
+        self.mapped(&copy)
+    }
+
+    /// Texels of a texture's first mip, rows packed, of a format with `texel` bytes.
+    pub fn read_texture(&self, texture: &wgpu::Texture, texel: u32) -> Vec<u8> {
+        let (width, height) = (texture.width(), texture.height());
+        let row = (width * texel).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+        let copy = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("read back"),
+            size: u64::from(row) * u64::from(height),
+            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let mut encoder = self.device.create_command_encoder(&Default::default());
+        encoder.copy_texture_to_buffer(
+            texture.as_image_copy(),
+            wgpu::TexelCopyBufferInfo {
+                buffer: &copy,
+                layout: wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None },
+            },
+            texture.size(),
+        );
+        self.queue.submit([encoder.finish()]);
+        let padded = self.mapped(&copy);
+        padded.chunks_exact(row as usize).flat_map(|r| &r[..(width * texel) as usize]).copied().collect()
+    }
+
+    fn mapped(&self, buffer: &wgpu::Buffer) -> Vec<u8> {
+        buffer.map_async(wgpu::MapMode::Read, .., |_| {});
+        self.wait();
+        // A lost device maps nothing; what is missing shows as black, and the device's error is in `take_errors`.
+        match buffer.get_mapped_range(..) {
+            Ok(bytes) => bytes.to_vec(),
+            Err(_) => vec![0; buffer.size() as usize],
+        }
+    }
+}

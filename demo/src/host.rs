@@ -1,0 +1,262 @@
+//! The demo as a host: a scene, a node and a target, frame by frame.
+
+use crate::gpu::Gpu;
+use crate::picture::Picture;
+use crate::raster::{Raster, node_camera};
+use crate::scene::{Camera, Scene};
+use crate::upload::{GpuScene, UploadError};
+use deferred_aa::{
+    BuildError, DeferredAa, Descriptor, Frame, RecordError, Settings, Shading, SizeError, Statistics, Technique, TextureTier,
+};
+
+/// Of the target: linear, as exact as the node computes.
+pub const TARGET_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
+
+/// Most textures of a scene on the binding tier.
+const TEXTURE_CAPACITY: u32 = 1024;
+
+/// material.wgsl and shading.wgsl: the host's WGSL.
+pub const SHADING_WGSL: &str = concat!(include_str!("material.wgsl"), "\n", include_str!("shading.wgsl"));
+
+/// What is fixed for a run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Options {
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+    /// Samples along one side of a window.
+    pub m: u32,
+    /// How textures are reached.
+    pub textures: TextureTier,
+    /// How often the light loop runs.
+    pub stall: u32,
+    /// Of texture reads, 1 to 16.
+    pub anisotropy: u16,
+}
+
+/// A host with a scene loaded.
+#[derive(Debug)]
+pub struct Host {
+    /// The device.
+    pub gpu: Gpu,
+    /// The node.
+    pub aa: DeferredAa,
+    /// As loaded.
+    pub scene: Scene,
+    /// On the GPU.
+    pub uploaded: GpuScene,
+    /// What is fixed.
+    pub options: Options,
+    raster: Raster,
+    host_bind_group: wgpu::BindGroup,
+    target: wgpu::Texture,
+    target_view: wgpu::TextureView,
+}
+
+/// A rendered frame.
+#[derive(Debug, Clone)]
+pub struct Shot {
+    /// What the node counted.
+    pub statistics: Statistics,
+    /// The G-buffer pass, in milliseconds.
+    pub gbuffer_ms: Option<f64>,
+}
+
+/// A frame could not be rendered.
+#[derive(Debug, thiserror::Error)]
+pub enum HostError {
+    /// The node could not be built.
+    #[error(transparent)]
+    Build(#[from] BuildError),
+    /// The size is out of bounds.
+    #[error(transparent)]
+    Size(#[from] SizeError),
+    /// The scene does not fit.
+    #[error(transparent)]
+    Upload(#[from] UploadError),
+    /// The frame was refused.
+    #[error(transparent)]
+    Record(#[from] RecordError),
+    /// wgpu complained.
+    #[error("the graphics driver refused the frame: {0}")]
+    Device(String),
+    /// Statistics did not arrive.
+    #[error("the device returned no statistics; it may have been lost")]
+    NoStatistics,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+pub(crate) struct Lighting {
+    to_sun: [f32; 3],
+    light_count: u32,
+    sun: [f32; 3],
+    stall: u32,
+    zenith: [f32; 4],
+    horizon: [f32; 4],
+    ground: [f32; 4],
+}
+
+/// What the demo's nodes are built from.
+pub fn descriptor(m: u32, textures: TextureTier) -> Descriptor<'static> {
+    Descriptor {
+        m,
+        target_format: TARGET_FORMAT,
+        shading: Shading { source: SHADING_WGSL, file: "demo/src/shading.wgsl" },
+        textures,
+        texture_capacity: TEXTURE_CAPACITY,
+    }
+}
+
+fn host_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+    let buffer = |binding, ty| wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::COMPUTE,
+        ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None },
+        count: None,
+    };
+    let storage = wgpu::BufferBindingType::Storage { read_only: true };
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: Some("shading"),
+        entries: &[buffer(0, wgpu::BufferBindingType::Uniform), buffer(1, storage), buffer(2, storage)],
+    })
+}
+
+impl Host {
+    /// Builds the node, uploads the scene.
+    pub fn new(gpu: Gpu, scene: Scene, options: Options) -> Result<Self, HostError> {
+        let device = &gpu.device;
+        let layout = host_layout(device);
+        let mut aa = DeferredAa::new(device, &descriptor(options.m, options.textures), Some(&layout))?;
+        aa.resize(device, options.width, options.height)?;
+        let uploaded = GpuScene::new(device, &gpu.queue, &aa, &scene, options.anisotropy)?;
+        let raster = Raster::new(device, &aa, options.textures, &scene, &uploaded);
+        let lighting = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("lighting"),
+            size: size_of::<Lighting>() as u64,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let sun = scene.sun.map_or(([0.0, 1.0, 0.0], [0.0; 3]), |s| (s.to_sun.to_array(), s.irradiance.to_array()));
+        let values = Lighting {
+            to_sun: sun.0,
+            light_count: uploaded.light_count,
+            sun: sun.1,
+            stall: options.stall.max(1),
+            zenith: scene.sky.zenith.extend(0.0).to_array(),
+            horizon: scene.sky.horizon.extend(0.0).to_array(),
+            ground: scene.sky.ground.extend(0.0).to_array(),
+        };
+        gpu.queue.write_buffer(&lighting, 0, bytemuck::bytes_of(&values));
+        let host_bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("shading"),
+            layout: &layout,
+            entries: &[
+                wgpu::BindGroupEntry { binding: 0, resource: lighting.as_entire_binding() },
+                wgpu::BindGroupEntry { binding: 1, resource: uploaded.lights.as_entire_binding() },
+                wgpu::BindGroupEntry { binding: 2, resource: uploaded.materials.as_entire_binding() },
+            ],
+        });
+        let target = device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("target"),
+            size: wgpu::Extent3d { width: options.width, height: options.height, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: TARGET_FORMAT,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+            view_formats: &[],
+        });
+        let target_view = target.create_view(&wgpu::TextureViewDescriptor::default());
+        let host = Self { aa, scene, uploaded, options, raster, host_bind_group, target, target_view, gpu };
+        host.complaints()?;
+        Ok(host)
+    }
+
+    /// Renders the G-buffer and records the node, then waits for both. The image is in the target: see
+    /// [`picture`](Self::picture).
+    pub fn frame(&mut self, camera: &Camera, settings: Settings) -> Result<Shot, HostError> {
+        let camera = node_camera(camera, self.options.width, self.options.height);
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        if let Some(gbuffer) = self.aa.gbuffer() {
+            self.raster.record(&self.gpu.queue, &mut encoder, &self.scene, &self.uploaded, &camera, gbuffer);
+        }
+        let frame = Frame {
+            camera,
+            settings,
+            exposure: 1.0,
+            host_bind_group: Some(&self.host_bind_group),
+            textures: Some(&self.uploaded.table),
+            target: &self.target_view,
+            statistics: true,
+        };
+        self.aa.record(&self.gpu.queue, &mut encoder, &frame)?;
+        self.gpu.queue.submit([encoder.finish()]);
+        self.gpu.wait();
+        self.complaints()?;
+        let statistics = self.aa.statistics().ok_or(HostError::NoStatistics)?.clone();
+        Ok(Shot { statistics, gbuffer_ms: self.raster.milliseconds(&self.gpu) })
+    }
+
+    /// The target's content. Waits.
+    pub fn picture(&self) -> Picture {
+        let bytes = self.gpu.read_texture(&self.target, 16);
+        let rgba = bytemuck::pod_collect_to_vec(&bytes);
+        Picture { width: self.options.width, height: self.options.height, rgba }
+    }
+
+    /// Pixels whose window holds two objects, materials or a crease: where aliasing lives. A crease is an angle between
+    /// normals of more than 18°.
+    pub fn edge_mask(&self) -> Vec<bool> {
+        let Some(gbuffer) = self.aa.gbuffer() else { return Vec::new() };
+        let bytes = self.gpu.read_texture(gbuffer.color[0].texture(), 8);
+        let surface: &[[u32; 2]] = bytemuck::cast_slice(&bytes);
+        let m = self.options.m as usize;
+        let (width, height) = (self.options.width as usize, self.options.height as usize);
+        let mut mask = Vec::with_capacity(width * height);
+        for y in 0..height {
+            for x in 0..width {
+                let sample = |i: usize| surface[(y * m + i / m) * width * m + x * m + i % m];
+                let first = sample(0);
+                let normal = octahedral(first[0]);
+                mask.push((1..m * m).any(|i| {
+                    let s = sample(i);
+                    s[1] != first[1] || octahedral(s[0]).dot(normal) < 0.951
+                }));
+            }
+        }
+        mask
+    }
+
+    /// k of each pixel in the last frame, whose technique is given.
+    pub fn counts(&self, technique: Technique) -> Vec<u32> {
+        let (width, height) = (self.options.width, self.options.height);
+        let uniform = |k| vec![k; (width * height) as usize];
+        match (technique, self.aa.intermediates()) {
+            (Technique::Full, _) => uniform(self.options.m * self.options.m),
+            (Technique::Windowed, Some(passed)) => {
+                let bytes = self.gpu.read_buffer(passed.plan);
+                let plan: Vec<u32> = bytemuck::pod_collect_to_vec(&bytes);
+                let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+                pixels.map(|(x, y)| plan[passed.plan_index(x, y)] & 0xff).collect()
+            }
+            _ => uniform(1),
+        }
+    }
+
+    fn complaints(&self) -> Result<(), HostError> {
+        match self.gpu.take_errors().first() {
+            None => Ok(()),
+            Some(e) => Err(HostError::Device(e.split_whitespace().collect::<Vec<_>>().join(" "))),
+        }
+    }
+}
+
+fn octahedral(code: u32) -> glam::Vec3 {
+    let snorm = |c: u32| (f32::from(c as u16 as i16) / 32767.0).max(-1.0);
+    let (x, y) = (snorm(code), snorm(code >> 16));
+    let z = 1.0 - x.abs() - y.abs();
+    let fold = |a: f32, b: f32| if z >= 0.0 { a } else { (1.0 - b.abs()).copysign(a) };
+    glam::Vec3::new(fold(x, y), fold(y, x), z).normalize_or(glam::Vec3::Z)
+}

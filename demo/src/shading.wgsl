@@ -1,0 +1,161 @@
+// The demo's shading: glTF metallic-roughness under a sun, punctual lights and a sky. Joined with material.wgsl, which
+// goes first.
+
+struct Lighting {
+    /// Towards the sun.
+    to_sun: vec3f,
+    light_count: u32,
+    /// Irradiance at normal incidence.
+    sun: vec3f,
+    /// How often the light loop runs.
+    stall: u32,
+    zenith: vec4f,
+    horizon: vec4f,
+    ground: vec4f,
+}
+
+struct Light {
+    position: vec3f,
+    /// 0: not limited.
+    inverse_range: f32,
+    intensity: vec3f,
+    /// 0 point, 1 spot, 2 directional.
+    kind: u32,
+    /// In which it shines.
+    direction: vec3f,
+    spot_scale: f32,
+    spot_offset: f32,
+    padding: array<u32, 3>,
+}
+
+@group(2) @binding(0) var<uniform> lighting: Lighting;
+@group(2) @binding(1) var<storage, read> lights: array<Light>;
+@group(2) @binding(2) var<storage, read> materials: array<Material>;
+
+fn sky_radiance(d: vec3f) -> vec3f {
+    let up = mix(lighting.horizon.rgb, lighting.zenith.rgb, sqrt(clamp(d.y, 0.0, 1.0)));
+    return select(mix(lighting.horizon.rgb, lighting.ground.rgb, clamp(-d.y * 4.0, 0.0, 1.0)), up, d.y >= 0.0);
+}
+
+fn sky(s: DaaSample) -> vec4f {
+    return vec4f(sky_radiance(-s.view), 1.0);
+}
+
+fn material(s: DaaSample) -> DaaMaterial {
+    let index = min(s.material, arrayLength(&materials) - 1u);
+    let textures = materials[index].textures;
+    let tint = unpack4x8unorm(s.user);
+    var m: DaaMaterial;
+    m.base_color = materials[index].base_color * tint;
+    m.emissive = materials[index].emissive;
+    m.roughness = materials[index].roughness;
+    m.metallic = materials[index].metallic;
+    m.normal = s.normal;
+    m.occlusion = 1.0;
+    m.user0.x = f32(materials[index].unlit);
+    if textures[BASE_COLOR] != NO_TEXTURE {
+        m.base_color *= material_texture(index, BASE_COLOR, s.uv, s.ddx, s.ddy);
+    }
+    if textures[METALLIC_ROUGHNESS] != NO_TEXTURE {
+        let t = material_texture(index, METALLIC_ROUGHNESS, s.uv, s.ddx, s.ddy);
+        m.roughness *= t.g;
+        m.metallic *= t.b;
+    }
+    if textures[NORMAL] != NO_TEXTURE {
+        let t = material_texture(index, NORMAL, s.uv, s.ddx, s.ddy).xyz * 2.0 - 1.0;
+        m.normal = daa_apply_normal_map(s, vec3f(t.xy * materials[index].normal_scale, t.z));
+    }
+    if textures[OCCLUSION] != NO_TEXTURE {
+        let t = material_texture(index, OCCLUSION, s.uv, s.ddx, s.ddy).r;
+        m.occlusion = 1.0 + materials[index].occlusion_strength * (t - 1.0);
+    }
+    if textures[EMISSIVE] != NO_TEXTURE {
+        m.emissive *= material_texture(index, EMISSIVE, s.uv, s.ddx, s.ddy).rgb;
+    }
+    return m;
+}
+
+struct Brdf {
+    diffuse: vec3f,
+    f0: vec3f,
+    alpha: f32,
+    normal: vec3f,
+    view: vec3f,
+    n_dot_v: f32,
+}
+
+/// Lambert and GGX with height-correlated Smith visibility (Heitz 2014) and Schlick's Fresnel term, as glTF's appendix B.
+/// Times n·l.
+fn reflected(b: Brdf, l: vec3f) -> vec3f {
+    let n_dot_l = dot(b.normal, l);
+    if n_dot_l <= 0.0 {
+        return vec3f(0.0);
+    }
+    let sum = b.view + l;
+    let h = sum * inverseSqrt(max(dot(sum, sum), 1e-12));
+    let n_dot_h = clamp(dot(b.normal, h), 0.0, 1.0);
+    let v_dot_h = clamp(dot(b.view, h), 0.0, 1.0);
+    let a2 = b.alpha * b.alpha;
+    let q = (n_dot_h * a2 - n_dot_h) * n_dot_h + 1.0;
+    let distribution = a2 / (3.14159265 * q * q);
+    let visibility = 0.5
+        / (n_dot_l * sqrt(b.n_dot_v * b.n_dot_v * (1.0 - a2) + a2) + b.n_dot_v * sqrt(n_dot_l * n_dot_l * (1.0 - a2) + a2));
+    let fresnel = b.f0 + (1.0 - b.f0) * pow(1.0 - v_dot_h, 5.0);
+    return (b.diffuse * (1.0 - fresnel) / 3.14159265 + fresnel * (distribution * visibility)) * n_dot_l;
+}
+
+fn lit(f: DaaSurface, b: Brdf) -> vec3f {
+    var sum = reflected(b, lighting.to_sun) * lighting.sun;
+    for (var i = 0u; i < lighting.light_count; i++) {
+        let light = lights[i];
+        var to_light = -light.direction;
+        var intensity = light.intensity;
+        if light.kind != 2u {
+            let offset = light.position - f.position;
+            let squared = max(dot(offset, offset), 1e-8);
+            to_light = offset * inverseSqrt(squared);
+            // KHR_lights_punctual's window over the inverse square.
+            let reach = squared * light.inverse_range * light.inverse_range;
+            let window = clamp(1.0 - reach * reach, 0.0, 1.0);
+            intensity *= window / squared;
+            if light.kind == 1u {
+                let cone = clamp(dot(light.direction, -to_light) * light.spot_scale + light.spot_offset, 0.0, 1.0);
+                intensity *= cone * cone;
+            }
+        }
+        sum += reflected(b, to_light) * intensity;
+    }
+    return sum;
+}
+
+fn light(f: DaaSurface, m: DaaMaterial) -> vec4f {
+    if m.user0.x > 0.5 {
+        return vec4f(m.base_color.rgb, 1.0);
+    }
+    var b: Brdf;
+    b.normal = m.normal * inverseSqrt(max(dot(m.normal, m.normal), 1e-12));
+    b.view = f.view;
+    // Normals that a map bends away from the eye count as grazing.
+    b.n_dot_v = max(dot(b.normal, f.view), 0.001);
+    b.f0 = mix(vec3f(0.04), m.base_color.rgb, m.metallic);
+    b.diffuse = m.base_color.rgb * (1.0 - m.metallic);
+    let roughness = clamp(m.roughness, 0.045, 1.0);
+    b.alpha = roughness * roughness;
+
+    var direct = lit(f, b);
+    // Stands for a costly shader: each round needs the one before, so none can be left out.
+    for (var i = 1u; i < lighting.stall; i++) {
+        b.alpha += min(direct.x, 0.0);
+        direct = lit(f, b);
+    }
+
+    // The sky: its mean over the hemisphere for the diffuse part, and Lazarov's 2013 fit for the specular one.
+    let mirrored = reflect(-f.view, b.normal);
+    let blurred = mix(sky_radiance(mirrored), sky_radiance(b.normal) * 0.5 + lighting.horizon.rgb * 0.5, roughness);
+    let r = roughness * vec4f(-1.0, -0.0275, -0.572, 0.022) + vec4f(1.0, 0.0425, 1.04, -0.04);
+    let a004 = min(r.x * r.x, exp2(-9.28 * b.n_dot_v)) * r.x + r.y;
+    let specular = blurred * (b.f0 * (-1.04 * a004 + r.z) + (1.04 * a004 + r.w));
+    let hemisphere = mix(lighting.ground.rgb, mix(lighting.horizon.rgb, lighting.zenith.rgb, 0.5), b.normal.y * 0.5 + 0.5);
+    let ambient = (hemisphere * b.diffuse + specular) * m.occlusion;
+    return vec4f(direct + ambient + m.emissive + f.secondary, 1.0);
+}

@@ -1,0 +1,157 @@
+//! stats.json.
+
+use crate::host::{Host, Shot};
+use crate::quality::Quality;
+use deferred_aa::{DeferredAa, Settings};
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// One measured entry: a technique with its settings on a view.
+#[derive(Debug, Clone, Serialize)]
+pub struct Stats {
+    scene: String,
+    width: u32,
+    height: u32,
+    m: u32,
+    technique: deferred_aa::Technique,
+    settings: Settings,
+    stall: u32,
+    adapter: Adapter,
+    /// What was shaded.
+    pub samples: Samples,
+    rays: Rays,
+    /// By pass, `gbuffer` and `total` included.
+    pub time_ms: BTreeMap<&'static str, Spread>,
+    memory_bytes: Memory,
+    quality: Against,
+    passes: Vec<&'static str>,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct Adapter {
+    name: String,
+    driver: String,
+    backend: String,
+}
+
+/// What was shaded.
+#[derive(Debug, Clone, Serialize)]
+pub struct Samples {
+    /// First samples included.
+    pub shaded: u64,
+    /// Over n · w · h.
+    pub ratio: f64,
+    /// Over w · h.
+    pub mean_k: f64,
+    histogram_k: Vec<u32>,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct Rays {
+    shadow: u64,
+    reflection: u64,
+    refraction: u64,
+    primary: u64,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct Memory {
+    gbuffer: u64,
+    scratch: u64,
+    rays: u64,
+    peak: Option<u64>,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct Against {
+    grid: Option<Quality>,
+    truth: Option<Quality>,
+}
+
+/// Milliseconds over the measured frames.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Spread {
+    /// The fastest.
+    pub min: f64,
+    /// The middle one.
+    pub median: f64,
+    /// 19 of 20 are faster.
+    pub p95: f64,
+}
+
+impl Spread {
+    /// Of at least one value.
+    pub fn of(mut values: Vec<f64>) -> Option<Self> {
+        values.sort_by(f64::total_cmp);
+        let at = |q: f64| values.get(((values.len() as f64 * q).ceil() as usize).saturating_sub(1)).copied();
+        Some(Self { min: *values.first()?, median: at(0.5)?, p95: at(0.95)? })
+    }
+}
+
+impl Stats {
+    /// Of frames of the same settings, measured after each other. `None` without a frame.
+    pub fn new(host: &Host, settings: Settings, shots: &[Shot], grid: Option<Quality>) -> Option<Self> {
+        let last = shots.last()?;
+        let info = host.gpu.adapter.get_info();
+        let memory = host.aa.memory();
+        let s = &last.statistics;
+        Some(Self {
+            scene: host.scene.name.clone(),
+            width: host.options.width,
+            height: host.options.height,
+            m: host.options.m,
+            technique: settings.technique,
+            settings,
+            stall: host.options.stall,
+            adapter: Adapter {
+                name: info.name,
+                driver: format!("{} {}", info.driver, info.driver_info).trim().to_owned(),
+                backend: format!("{:?}", info.backend),
+            },
+            samples: Samples {
+                shaded: s.shaded,
+                ratio: s.ratio,
+                mean_k: s.mean_k,
+                histogram_k: s.histogram_k.clone(),
+            },
+            rays: Rays { shadow: 0, reflection: 0, refraction: 0, primary: 0 },
+            time_ms: times(shots),
+            memory_bytes: Memory { gbuffer: memory.gbuffer, scratch: memory.scratch, rays: 0, peak: None },
+            quality: Against { grid, truth: None },
+            passes: DeferredAa::passes(&settings).map(|p| p.info.name).collect(),
+        })
+    }
+
+    /// Median milliseconds of the node's passes together, G-buffer left out.
+    pub fn node_ms(&self) -> Option<f64> {
+        self.time_ms.get("node").map(|s| s.median)
+    }
+}
+
+/// Each pass, `gbuffer`, `node` (all passes of the node) and `total` (both). Empty without timestamps.
+fn times(shots: &[Shot]) -> BTreeMap<&'static str, Spread> {
+    let mut all: BTreeMap<&'static str, Vec<f64>> = BTreeMap::new();
+    for shot in shots {
+        let passes: Option<Vec<_>> =
+            shot.statistics.passes.iter().map(|p| p.milliseconds.map(|ms| (p.name, ms))).collect();
+        let (Some(passes), Some(gbuffer)) = (passes, shot.gbuffer_ms) else { continue };
+        let node: f64 = passes.iter().map(|(_, ms)| ms).sum();
+        for (name, ms) in passes.into_iter().chain([("gbuffer", gbuffer), ("node", node), ("total", node + gbuffer)]) {
+            all.entry(name).or_default().push(ms);
+        }
+    }
+    all.into_iter().filter_map(|(name, values)| Some((name, Spread::of(values)?))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Spread;
+
+    #[test]
+    fn the_spread_of_twenty() {
+        let values = (1..=20).rev().map(f64::from).collect();
+        assert_eq!(Spread::of(values), Some(Spread { min: 1.0, median: 10.0, p95: 19.0 }));
+        assert_eq!(Spread::of(vec![3.0]), Some(Spread { min: 3.0, median: 3.0, p95: 3.0 }));
+        assert_eq!(Spread::of(Vec::new()), None);
+    }
+}
