@@ -115,8 +115,8 @@ struct ViewArgs {
     /// Part of the adapter's name; `adapters` lists them.
     #[arg(long)]
     adapter: Option<String>,
-    /// Where results go; made if it is not there.
-    #[arg(long)]
+    /// Where results go; made if it is not there. The last one given counts.
+    #[arg(long, overrides_with = "out")]
     out: PathBuf,
 }
 

@@ -44,13 +44,14 @@ const MAX_NOTICES: usize = 100;
 
 /// Loads scene `scene_index` of a file, or its default scene.
 pub fn load(path: &Path, scene_index: Option<usize>) -> Result<Scene, LoadError> {
-    read(path, scene_index).map_err(|problem| LoadError::new(path, problem))
+    let scene = uri::read_file(path).and_then(|file| parse(&file, path, scene_index));
+    scene.map_err(|problem| LoadError::new(path, problem))
 }
 
-fn read(path: &Path, scene_index: Option<usize>) -> Result<Scene, Problem> {
+/// Loads the contents of the file at `path`.
+fn parse(file: &[u8], path: &Path, scene_index: Option<usize>) -> Result<Scene, Problem> {
     let folder = path.parent().unwrap_or(Path::new(""));
-    let file = uri::read_file(path)?;
-    let (json, bin) = container::split(&file)?;
+    let (json, bin) = container::split(file)?;
     let root: Root = serde_json::from_slice(json)?;
     let mut notices = Vec::new();
     check_version(&root)?;
@@ -262,3 +263,6 @@ fn label(kind: &str, number: usize, name: Option<&str>) -> String {
         _ => format!("{kind} {number}"),
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -31,7 +31,10 @@ impl Bounds {
 
     /// Half the diagonal.
     pub fn radius(&self) -> f32 {
-        (self.max * 0.5 - self.min * 0.5).length()
+        let half = self.max * 0.5 - self.min * 0.5;
+        // Squares of huge sizes would overflow.
+        let scale = half.max_element().max(f32::MIN_POSITIVE);
+        (half / scale).length() * scale
     }
 
     /// The corners.
@@ -68,21 +71,78 @@ impl Scene {
     }
 }
 
-/// A camera that sees all of `scene` from the front, the right and above.
+/// A camera that sees all of `scene` from the front, the right and above, in any view at least as wide as high.
 pub fn frame_camera(scene: &Scene) -> Camera {
     const FOV_Y: f32 = 50.0 / 180.0 * PI;
     const FROM: Vec3 = Vec3::new(0.55, 0.4, 0.73);
+    const MARGIN: f32 = 1.05;
+    /// Beyond this, the camera's matrices would overflow.
+    const MOST: Vec3 = Vec3::splat(1e15);
 
     let bounds = scene.bounds().unwrap_or(Bounds { min: Vec3::NEG_ONE, max: Vec3::ONE });
+    let bounds = Bounds { min: bounds.min.clamp(-MOST, MOST), max: bounds.max.clamp(-MOST, MOST) };
     let centre = bounds.centre();
     // A single point has no size, and far from the origin floats cannot tell small distances apart.
     let radius = bounds.radius().max(centre.abs().max_element() * 1e-4).max(1e-4);
-    let distance = radius / (FOV_Y / 2.0).sin();
+
+    let back = FROM.normalize();
+    let right = Vec3::Y.cross(back).normalize();
+    let up = back.cross(right);
+    let slope = (FOV_Y / 2.0).tan();
+    let needed = |corner: Vec3| {
+        let from_centre = corner - centre;
+        let off_axis = from_centre.dot(right).abs().max(from_centre.dot(up).abs());
+        off_axis / slope + from_centre.dot(back)
+    };
+    let distance = bounds.corners().into_iter().map(needed).fold(radius, f32::max) * MARGIN;
     Camera {
-        eye: centre + FROM.normalize() * distance,
+        eye: centre + back * distance,
         target: centre,
         up: Vec3::Y,
         lens: Lens::Perspective { fov_y: FOV_Y },
         near: radius * 1e-2,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Mat4;
+
+    use super::*;
+    use crate::scene::{Instance, Mesh};
+
+    fn points(positions: Vec<Vec3>) -> Scene {
+        let instance = Instance { mesh: 0, world_from_mesh: Mat4::from_translation(Vec3::X), object: 1 };
+        Scene {
+            meshes: vec![Mesh { positions, ..Mesh::default() }],
+            instances: vec![instance],
+            ..Scene::default()
+        }
+    }
+
+    #[test]
+    fn bounds_are_in_the_world() {
+        let bounds = points(vec![Vec3::ZERO, Vec3::new(1.0, -2.0, 3.0)]).bounds().unwrap();
+        assert_eq!(bounds, Bounds { min: Vec3::new(1.0, -2.0, 0.0), max: Vec3::new(2.0, 0.0, 3.0) });
+        assert_eq!(bounds.centre(), Vec3::new(1.5, -1.0, 1.5));
+        assert_eq!(Scene::default().bounds(), None);
+    }
+
+    #[test]
+    fn everything_is_in_view_whatever_its_size() {
+        for size in [0.0, 1e-20, 1e-3, 1.0, 1e6, 1e20, f32::MAX] {
+            let scene = points(vec![Vec3::splat(-size), Vec3::splat(size)]);
+            let camera = frame_camera(&scene);
+            let view = camera.target - camera.eye;
+            assert!(camera.eye.is_finite() && view.length() > 0.0 && camera.near > 0.0, "{size}: {camera:?}");
+            if size <= 1e6 {
+                for corner in scene.bounds().unwrap().corners() {
+                    let angle = (corner - camera.eye).angle_between(view);
+                    assert!(angle < 50.0_f32.to_radians() / 2.0 * 1.42, "{size}: {angle}");
+                    assert!((corner - camera.eye).dot(view.normalize()) > camera.near, "{size}");
+                }
+            }
+        }
+        assert!(frame_camera(&Scene::default()).eye.is_finite());
     }
 }

@@ -160,7 +160,7 @@ fn slabs() -> Painting {
         let slab = (at * 4.0).floor();
         let (x, y) = (slab.x as i32, slab.y as i32);
         let dark = (x + y) % 2 == 0;
-        let stone = if dark { Vec3::new(0.50, 0.40, 0.33) } else { Vec3::new(0.80, 0.75, 0.66) };
+        let stone = if dark { Vec3::new(0.52, 0.33, 0.25) } else { Vec3::new(0.88, 0.77, 0.60) };
         let veins = clouds(at + Vec2::new(hash(x, y, 3), hash(x, y, 4)), 16, 4, 5);
         let shade = 0.86 + 0.16 * hash(x, y, 6) + 0.24 * (veins - 0.5);
         stone * shade * (0.55 + 0.45 * slab_gap(at))

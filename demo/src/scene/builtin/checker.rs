@@ -11,6 +11,7 @@ use super::stage::{Stage, matt, perspective, srgb};
 use crate::scene::{Material, Sun, Texture, Wrap};
 
 const PANEL: f32 = 2.0;
+const PER_ROW: usize = 4;
 
 pub(super) fn build() -> Stage {
     let mut stage = Stage::default();
@@ -40,16 +41,17 @@ pub(super) fn build() -> Stage {
         ("one line", base, panel(Vec2::new(0.0, 0.6), Vec2::new(2.0, 0.6))),
     ];
     let normal_texture = stage.data_texture(dents);
-    let count = panels.len() as f32;
     for (i, (name, texture, shape)) in panels.into_iter().enumerate() {
         let base_color_texture = Some(stage.texture(texture));
         let material =
             stage.material(Material { base_color_texture, normal_texture, roughness: 0.45, ..matt(name) });
         let mesh = stage.mesh(name, shape, material);
-        // A half circle around the viewer, so that the outer ones are seen at a slant.
-        let angle = (i as f32 + 0.5 - count / 2.0) / count * 2.2;
-        let turned = Mat4::from_rotation_y(-angle) * Mat4::from_translation(Vec3::new(0.0, 1.2, -9.0));
-        stage.place(mesh, turned);
+        // Two rows on an arc around the viewer, so that the outer ones are seen at a slant.
+        let (row, column) = (i / PER_ROW, i % PER_ROW);
+        let angle = (column as f32 - (PER_ROW - 1) as f32 / 2.0) * 0.46;
+        let at = Vec3::new(0.0, 1.35 + row as f32 * (PANEL + 0.2), -6.2);
+        let slant = Mat4::from_rotation_y(-1.5 * angle);
+        stage.place(mesh, Mat4::from_rotation_y(-angle) * Mat4::from_translation(at) * slant);
     }
 
     // Two walls of fine stripes, tiled hard.
@@ -61,7 +63,7 @@ pub(super) fn build() -> Stage {
     walls.quad(Vec3::new(14.0, 0.0, -80.0), Vec3::Z * 80.0, Vec3::Y * 3.0, Vec2::ZERO, Vec2::new(320.0, 1.0));
     stage.draw("striped walls", walls, striped);
 
-    stage.camera(perspective(Vec3::new(0.0, 1.7, 1.2), Vec3::new(0.0, 1.6, -8.0), 58.0, 0.05));
+    stage.camera(perspective(Vec3::new(0.0, 1.7, 1.2), Vec3::new(0.0, 2.0, -8.0), 58.0, 0.05));
     stage
 }
 

@@ -47,6 +47,10 @@ pub(super) fn build() -> Stage {
         stage.place(pole, at);
         stage.place(cables, at);
     }
+    let mast = stage.mesh("mast", mast(), zinc);
+    stage.place(mast, Mat4::from_translation(Vec3::new(9.0, 0.0, -22.0)));
+    stage.place(mast, Mat4::from_translation(Vec3::new(26.0, 0.0, -95.0)));
+
     stage.camera(perspective(Vec3::new(0.2, 1.65, 3.2), Vec3::new(-0.5, 1.75, -12.0), 55.0, 0.05));
     stage
 }
@@ -119,6 +123,27 @@ fn strands() -> Shape {
     for i in 1..=7 {
         let y = 0.19 * i as f32;
         shape.bar(Vec3::new(0.0, y, 0.0), Vec3::new(0.0, y, -PANEL), 0.0012, 5);
+    }
+    shape
+}
+
+/// A tall tapering lattice.
+fn mast() -> Shape {
+    const STOREYS: usize = 12;
+    let mut shape = Shape::default();
+    let corner = |storey: usize, side: usize| {
+        let t = storey as f32 / STOREYS as f32;
+        let half = 1.3 - 1.1 * t;
+        let (x, z) = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)][side % 4];
+        Vec3::new(x * half, 17.0 * t, z * half)
+    };
+    for storey in 0..STOREYS {
+        for side in 0..4 {
+            shape.bar(corner(storey, side), corner(storey + 1, side), 0.03, 6);
+            shape.bar(corner(storey, side), corner(storey + 1, side + 1), 0.012, 5);
+            shape.bar(corner(storey, side + 1), corner(storey + 1, side), 0.012, 5);
+            shape.bar(corner(storey + 1, side), corner(storey + 1, side + 1), 0.015, 5);
+        }
     }
     shape
 }

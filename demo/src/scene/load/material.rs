@@ -257,8 +257,8 @@ impl From<&json::texture::Info> for Reference {
     }
 }
 
-/// The rows of translate · rotate · scale. The extension turns by −`rotation` in a plane whose v points up, that
-/// is, by +`rotation` in glTF's, whose v points down.
+/// The rows of translate · rotate · scale. Rotation is counter-clockwise where v points down, as Khronos'
+/// TextureTransformTest has it.
 fn rows(transform: &TextureTransform) -> (Vec3, Vec3) {
     let ([tx, ty], [sx, sy]) = (transform.offset.0, transform.scale.0);
     let (sin, cos) = transform.rotation.0.sin_cos();

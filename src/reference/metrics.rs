@@ -1,0 +1,202 @@
+//! Twin of `shaders/metrics.wgsl`.
+
+use super::octahedral;
+use crate::settings::{DepthMeasure, LuminanceCurve, Windowed};
+use glam::DVec3;
+
+/// Depths at or below are the sky.
+pub const SKY_DEPTH: f32 = 1e-30;
+
+/// How far f32 arithmetic may move a metric: GPU and twin may differ in k where the metric lies within this of a half.
+pub const ROUNDING_BAND: f64 = 2e-3;
+
+/// Which metric decided k, numbered as in the plan.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u8)]
+pub enum By {
+    /// k = 1.
+    Nothing = 0,
+    /// Depth.
+    Depth = 1,
+    /// Normals.
+    Normal = 2,
+    /// Luminance of S.
+    Luminance = 3,
+    /// Material or object.
+    Identity = 4,
+}
+
+/// What the metrics read.
+#[derive(Debug, Clone, Copy)]
+pub struct Input<'a> {
+    /// Samples along one side of a window.
+    pub m: usize,
+    /// Pixels.
+    pub width: usize,
+    /// Pixels.
+    pub height: usize,
+    /// (m·width) × (m·height), reading order.
+    pub depth: &'a [f32],
+    /// As `depth`: normal, identity.
+    pub surface: &'a [[u32; 2]],
+    /// S, width × height.
+    pub first: &'a [[f32; 4]],
+    /// [`Frame::exposure`](crate::Frame::exposure).
+    pub exposure: f32,
+}
+
+/// What one window is worth.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Worth {
+    /// 1 to n.
+    pub k: u32,
+    /// Before rounding, 1 to n.
+    pub exact: f64,
+    /// What decided.
+    pub by: By,
+}
+
+impl Worth {
+    /// Whether f32 may round to another k.
+    pub fn is_near_a_half(&self) -> bool {
+        ((self.exact - self.exact.floor()) - 0.5).abs() < ROUNDING_BAND
+    }
+}
+
+impl Input<'_> {
+    fn depth(&self, x: isize, y: isize) -> f64 {
+        let clamp = |v: isize, side: usize| v.clamp(0, (side * self.m) as isize - 1) as usize;
+        let d = self.depth[clamp(y, self.height) * self.width * self.m + clamp(x, self.width)];
+        if d > SKY_DEPTH { f64::from(d) } else { 0.0 }
+    }
+
+    fn surface(&self, x: usize, y: usize) -> [u32; 2] {
+        self.surface[y * self.width * self.m + x]
+    }
+
+    fn luminance(&self, x: isize, y: isize, curve: LuminanceCurve) -> f64 {
+        let clamp = |v: isize, side: usize| v.clamp(0, side as isize - 1) as usize;
+        let [r, g, b, _] = self.first[clamp(y, self.height) * self.width + clamp(x, self.width)].map(f64::from);
+        let l = (0.2126 * r + 0.7152 * g + 0.0722 * b) * f64::from(self.exposure);
+        match curve {
+            LuminanceCurve::Linear => l,
+            LuminanceCurve::Perceptual => (l / (1.0 + l)).sqrt(),
+        }
+    }
+
+    fn samples(&self, px: usize, py: usize) -> impl Iterator<Item = (usize, usize)> + use<> {
+        let m = self.m;
+        (0..m * m).map(move |i| (px * m + i % m, py * m + i / m))
+    }
+
+    fn is_sky(&self, x: usize, y: usize) -> bool {
+        self.depth(x as isize, y as isize) == 0.0
+    }
+
+    /// Σ(d − mean)²/n over mean²: two passes, since there is f64 and time.
+    pub fn depth_variance(&self, px: usize, py: usize) -> f64 {
+        let n = (self.m * self.m) as f64;
+        let depths: Vec<f64> = self.samples(px, py).map(|(x, y)| self.depth(x as isize, y as isize)).collect();
+        let mean = depths.iter().sum::<f64>() / n;
+        if mean <= f64::from(SKY_DEPTH) {
+            return 0.0;
+        }
+        depths.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / n / (mean * mean)
+    }
+
+    /// The greatest step between neighbours that extrapolation from neither side explains, over the nearer one's depth.
+    pub fn depth_discontinuity(&self, px: usize, py: usize) -> f64 {
+        let m = self.m as isize;
+        let (x0, y0) = (px as isize * m, py as isize * m);
+        let mut greatest: f64 = 0.0;
+        for i in 0..m {
+            for j in 0..m - 1 {
+                let row = [-1, 0, 1, 2].map(|o| self.depth(x0 + j + o, y0 + i));
+                let column = [-1, 0, 1, 2].map(|o| self.depth(x0 + i, y0 + j + o));
+                for [a, b, c, d] in [row, column] {
+                    let nearer = b.max(c);
+                    if nearer > 0.0 {
+                        let step = (2.0 * b - a - c).abs().min((2.0 * c - d - b).abs());
+                        greatest = greatest.max(step / nearer);
+                    }
+                }
+            }
+        }
+        greatest
+    }
+
+    /// √(1 − min n̄·n); 2 if the normals cancel; 0 if all have one code.
+    pub fn normal_cone(&self, px: usize, py: usize, two_sided: bool) -> f64 {
+        let codes: Vec<u32> =
+            self.samples(px, py).filter(|&(x, y)| !self.is_sky(x, y)).map(|(x, y)| self.surface(x, y)[0]).collect();
+        if codes.windows(2).all(|pair| pair[0] == pair[1]) {
+            return 0.0;
+        }
+        let normals: Vec<DVec3> = codes.iter().map(|&c| octahedral::decode(c)).collect();
+        let sum: DVec3 = normals.iter().sum();
+        if sum.length() / (normals.len() as f64) < 1e-3 {
+            return 2.0;
+        }
+        let mean = sum.normalize();
+        let apart = |n: &DVec3| {
+            let squared = (mean - *n).length_squared();
+            if two_sided { squared.min((mean + *n).length_squared()) } else { squared }
+        };
+        (normals.iter().map(apart).fold(0.0, f64::max) * 0.5).sqrt()
+    }
+
+    /// The range over the four direct neighbours and, on request, the pixel itself; 0 below both thresholds.
+    pub fn luminance_range(&self, px: usize, py: usize, w: &Windowed) -> f64 {
+        let (x, y) = (px as isize, py as isize);
+        let mut values = vec![(x - 1, y), (x + 1, y), (x, y - 1), (x, y + 1)];
+        if w.luminance_centre {
+            values.push((x, y));
+        }
+        let values: Vec<f64> = values.into_iter().map(|(x, y)| self.luminance(x, y, w.luminance)).collect();
+        let greatest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+        let range = greatest - least;
+        let threshold = f64::from(w.luminance_min).max(greatest * f64::from(w.luminance_edge));
+        if range < threshold { 0.0 } else { range }
+    }
+
+    /// More than one material or object, the sky counted as one.
+    pub fn mixed_identity(&self, px: usize, py: usize) -> bool {
+        let identity = |(x, y): (usize, usize)| (self.surface(x, y)[1], self.is_sky(x, y));
+        let mut all = self.samples(px, py).map(identity);
+        let first = all.next();
+        all.any(|i| Some(i) != first)
+    }
+
+    /// k of a window: the greatest of all metrics.
+    pub fn worth(&self, px: usize, py: usize, w: &Windowed) -> Worth {
+        let n = (self.m * self.m) as f64;
+        let mut exact = 1.0;
+        let mut by = By::Nothing;
+        let mut ask = |wanted: f64, metric: By| {
+            if wanted > exact {
+                (exact, by) = (wanted, metric);
+            }
+        };
+        if w.depth_scale > 0.0 {
+            let depth = match w.depth {
+                DepthMeasure::Variance => self.depth_variance(px, py),
+                DepthMeasure::Discontinuity => self.depth_discontinuity(px, py),
+            };
+            ask(f64::from(w.depth_scale) * depth, By::Depth);
+        }
+        if w.normal_scale > 0.0 {
+            let cone = self.normal_cone(px, py, w.two_sided);
+            ask(if cone > 1.9 { n } else { f64::from(w.normal_scale) * cone }, By::Normal);
+        }
+        if w.luminance_scale > 0.0 {
+            ask(f64::from(w.luminance_scale) * self.luminance_range(px, py, w), By::Luminance);
+        }
+        if w.identity_samples > 0.0 && self.mixed_identity(px, py) {
+            ask(f64::from(w.identity_samples), By::Identity);
+        }
+        let exact = exact.min(n);
+        let k = exact.round_ties_even() as u32;
+        Worth { k, exact, by: if k == 1 { By::Nothing } else { by } }
+    }
+}

@@ -1,0 +1,10 @@
+//! The CPU twin: every pass again in f64, to be read beside its shader and held against it by tests.
+//!
+//! The twin takes what the GPU pass took (the G-buffer's bits, S, the counts) and says what it should have made of it. k is
+//! an integer, so both must agree, except where the metric lies within [`metrics::ROUNDING_BAND`] of a half.
+
+pub mod metrics;
+pub mod octahedral;
+pub mod plan;
+pub mod resolve;
+pub mod window;

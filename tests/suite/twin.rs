@@ -1,0 +1,98 @@
+//! GPU and CPU twin on the same G-buffer: plan, mean, and the whole frame with an analytic hook.
+
+use crate::harness::{Rig, Sample, noise, rgba8, SHOW_USER};
+use deferred_aa::glam::{Vec2, Vec3};
+use deferred_aa::reference::{plan, resolve};
+use deferred_aa::{DepthMeasure, Execution, LuminanceCurve, Settings, Technique, Weight, Windowed, window};
+
+/// A scene of everything: slanted planes, steps, curved normals, several materials, sky, noise.
+fn busy(x: u32, y: u32) -> Sample {
+    let (fx, fy) = (x as f32, y as f32);
+    let object = 1 + x / 13 + y / 17 * 5;
+    let step = noise(object) * 0.2;
+    if object % 7 == 3 {
+        return Sample::SKY;
+    }
+    let bend = noise(object + 100) * 0.05;
+    Sample {
+        depth: 0.02 + step + fx * 1e-5 * noise(object + 7) + fy * 2e-5,
+        normal: Vec3::new((fx * bend).sin(), (fy * bend).cos() * 0.5, 1.0).normalize(),
+        uv: Vec2::new(fx, fy) * 0.01,
+        material: object % 3,
+        object,
+        user: rgba8(noise(object * 3), noise(object * 5), noise(x / 3 + y * 977), 1.0),
+        ..Default::default()
+    }
+}
+
+fn variants() -> Vec<Windowed> {
+    let base = Windowed::default();
+    vec![
+        base,
+        Windowed::PAPER,
+        Windowed { depth: DepthMeasure::Variance, depth_scale: 300.0, normal_scale: 0.0, luminance_scale: 0.0, ..base },
+        Windowed { depth_scale: 100.0, normal_scale: 0.0, luminance_scale: 0.0, ..base },
+        Windowed { depth_scale: 0.0, normal_scale: 7.0, luminance_scale: 0.0, two_sided: true, ..base },
+        Windowed { depth_scale: 0.0, normal_scale: 0.0, luminance: LuminanceCurve::Linear, ..base },
+        Windowed { depth_scale: 0.0, normal_scale: 0.0, luminance_scale: 0.0, identity_samples: 3.0, ..base },
+    ]
+}
+
+#[test]
+fn every_window_size_and_metric_agrees_with_the_twin() {
+    for m in 1..=8 {
+        let mut rig = Rig::new(m, 37, 21, SHOW_USER);
+        rig.fill(busy);
+        for windowed in variants() {
+            let settings = Settings { windowed, ..Default::default() };
+            let output = rig.run(settings);
+            let worths = rig.assert_twin_agrees(&settings, &output);
+            let apart = worths.iter().zip(&output.plan).filter(|(w, p)| w.k != p.0).count();
+            assert!(apart as f64 <= 0.01 * worths.len() as f64, "m = {m}: {apart} windows differ");
+            // The plan of those counts, and the statistics of that plan.
+            let counts: Vec<u32> = output.plan.iter().map(|p| p.0).collect();
+            let (planned, overflowed) = plan::plan(&counts, 37, 21, windowed.tile_limit);
+            let index = |x: usize, y: usize| (y / 8 * 5 + x / 8) * 64 + y % 8 * 8 + x % 8;
+            for (i, p) in output.plan.iter().enumerate() {
+                assert_eq!(planned[index(i % 37, i / 37)].before, p.2, "m = {m}, window {i}");
+            }
+            assert_eq!(overflowed, output.statistics.overflowed_tiles);
+            assert_eq!(output.statistics.shaded, counts.iter().map(|&k| u64::from(k)).sum::<u64>());
+        }
+    }
+}
+
+#[test]
+fn the_whole_frame_is_the_twins() {
+    for (m, weight) in [(2, Weight::Linear), (3, Weight::Luminance), (4, Weight::Linear), (5, Weight::Luminance)] {
+        let mut rig = Rig::new(m, 37, 21, SHOW_USER);
+        rig.fill(busy);
+        let order = window::order(m);
+        for technique in [Technique::Full, Technique::Single, Technique::Windowed] {
+            for execution in [Execution::Loop, Execution::Tiled] {
+                let output = rig.run(Settings { technique, execution, weight, ..Default::default() });
+                for (i, pixel) in output.image.iter().enumerate() {
+                    let (x, y) = (i as u32 % 37, i as u32 / 37);
+                    let k = match technique {
+                        Technique::Full => m * m,
+                        Technique::Single => 1,
+                        Technique::Windowed => output.plan[i].0,
+                    };
+                    let samples: Vec<[f64; 4]> = order[..k as usize]
+                        .iter()
+                        .map(|&(sx, sy)| {
+                            let s = busy(x * m + u32::from(sx), y * m + u32::from(sy));
+                            // The sky is transparent black: the hook has no `sky`.
+                            if s.depth == 0.0 { [0.0; 4] } else { s.user.to_le_bytes().map(|c| f64::from(c) / 255.0) }
+                        })
+                        .collect();
+                    let expected = resolve::mean(&samples, weight, 1.0);
+                    for c in 0..4 {
+                        let apart = (f64::from(pixel[c]) - expected[c]).abs();
+                        assert!(apart <= 1e-6, "m = {m} {technique:?} {execution:?} {i}.{c}: {pixel:?} {expected:?}");
+                    }
+                }
+            }
+        }
+    }
+}
