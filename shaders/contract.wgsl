@@ -40,6 +40,8 @@ struct DaaFrame {
     view: u32,
     /// Rank → place in the window, x | y << 4, four to a vector.
     order: array<vec4u, 16>,
+    /// k − 1 → from the mean place of the first k samples to the window's centre, in samples; two to a vector.
+    centres: array<vec4f, 32>,
 }
 
 const DAA_FLAG_DEPTH_PLANE: u32 = 1u;
@@ -47,9 +49,8 @@ const DAA_FLAG_TWO_SIDED: u32 = 2u;
 const DAA_FLAG_LUMINANCE_PERCEPTUAL: u32 = 4u;
 const DAA_FLAG_LUMINANCE_CENTRE: u32 = 8u;
 const DAA_FLAG_WEIGHT_LUMINANCE: u32 = 16u;
-const DAA_FLAG_CENTRED: u32 = 32u;
-const DAA_FLAG_FULL: u32 = 64u;
-const DAA_FLAG_PLANNED: u32 = 128u;
+const DAA_FLAG_FULL: u32 = 32u;
+const DAA_FLAG_PLANNED: u32 = 64u;
 
 /// One sample of the G-buffer, as `material`, `shade` and `sky` see it.
 struct DaaSample {

@@ -2,16 +2,10 @@
 // `daa_call_sky` from the host's functions.
 
 /// How far the first k samples lie from the window's centre on average, in samples: the shift that recentres the
-/// texture footprint of what they stand for. 0 where the host did not ask for it.
+/// texture footprint of what they stand for. Zero if the settings do not ask for it.
 fn daa_centre(k: u32) -> vec2f {
-    if (daa_frame.flags & DAA_FLAG_CENTRED) == 0u {
-        return vec2f(0.0);
-    }
-    var sum = vec2f(0.0);
-    for (var rank = 0u; rank < k; rank++) {
-        sum += vec2f(daa_order(rank));
-    }
-    return f32(DAA_M - 1u) * 0.5 - sum / f32(k);
+    let pair = daa_frame.centres[(k - 1u) >> 1u];
+    return select(pair.xy, pair.zw, (k & 1u) == 0u);
 }
 
 fn daa_shade_sample(pixel: vec2u, rank: u32, footprint: f32, offset: vec2f) -> vec4f {

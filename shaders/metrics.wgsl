@@ -10,21 +10,34 @@ const DAA_BY_NORMAL: u32 = 2u;
 const DAA_BY_LUMINANCE: u32 = 3u;
 const DAA_BY_IDENTITY: u32 = 4u;
 
-fn daa_depth_at(at: vec2i) -> f32 {
+/// The window's depths with one more around it, (m + 2)² in reading order; 0 for the sky. Read once: three metrics ask.
+var<private> daa_depths: array<f32, 100>;
+
+fn daa_read_depths(corner: vec2i) {
     let last = vec2i(daa_frame.size * DAA_M) - 1;
-    let d = textureLoad(daa_gbuffer_depth, clamp(at, vec2i(0), last), 0);
-    return select(0.0, d, d > DAA_SKY_DEPTH);
+    for (var y = 0; y < i32(DAA_M) + 2; y++) {
+        for (var x = 0; x < i32(DAA_M) + 2; x++) {
+            let at = clamp(corner + vec2i(x, y) - 1, vec2i(0), last);
+            let d = textureLoad(daa_gbuffer_depth, at, 0);
+            daa_depths[y * (i32(DAA_M) + 2) + x] = select(0.0, d, d > DAA_SKY_DEPTH);
+        }
+    }
+}
+
+/// The depth of a sample, −1 ≤ x, y ≤ m.
+fn daa_depth(x: i32, y: i32) -> f32 {
+    return daa_depths[(y + 1) * (i32(DAA_M) + 2) + x + 1];
 }
 
 /// The variance of the window's depths over their squared mean. Shifted by the first depth, since E[d²] − E[d]²
 /// cancels far from zero (Chan, Golub, LeVeque 1983). Depth is the reversed-z buffer's, linear in screen space.
-fn daa_depth_variance(corner: vec2i) -> f32 {
-    let shift = daa_depth_at(corner);
+fn daa_depth_variance() -> f32 {
+    let shift = daa_depth(0, 0);
     var sum = 0.0;
     var sum_of_squares = 0.0;
     for (var y = 0; y < i32(DAA_M); y++) {
         for (var x = 0; x < i32(DAA_M); x++) {
-            let v = daa_depth_at(corner + vec2i(x, y)) - shift;
+            let v = daa_depth(x, y) - shift;
             sum += v;
             sum_of_squares += v * v;
         }
@@ -46,52 +59,41 @@ fn daa_depth_step(a: f32, b: f32, c: f32, d: f32) -> f32 {
 }
 
 /// The greatest step between neighbours in the window.
-fn daa_depth_discontinuity(corner: vec2i) -> f32 {
+fn daa_depth_discontinuity() -> f32 {
     var greatest = 0.0;
     for (var i = 0; i < i32(DAA_M); i++) {
-        // Four depths in a row, then in a column, moved along one by one.
-        var row = vec4f(
-            0.0,
-            daa_depth_at(corner + vec2i(-1, i)),
-            daa_depth_at(corner + vec2i(0, i)),
-            daa_depth_at(corner + vec2i(1, i)),
-        );
-        var column = vec4f(
-            0.0,
-            daa_depth_at(corner + vec2i(i, -1)),
-            daa_depth_at(corner + vec2i(i, 0)),
-            daa_depth_at(corner + vec2i(i, 1)),
-        );
         for (var j = 0; j < i32(DAA_M) - 1; j++) {
-            row = vec4f(row.yzw, daa_depth_at(corner + vec2i(j + 2, i)));
-            column = vec4f(column.yzw, daa_depth_at(corner + vec2i(i, j + 2)));
-            greatest = max(greatest, daa_depth_step(row.x, row.y, row.z, row.w));
-            greatest = max(greatest, daa_depth_step(column.x, column.y, column.z, column.w));
+            let row = daa_depth_step(daa_depth(j - 1, i), daa_depth(j, i), daa_depth(j + 1, i), daa_depth(j + 2, i));
+            let column = daa_depth_step(daa_depth(i, j - 1), daa_depth(i, j), daa_depth(i, j + 1), daa_depth(i, j + 2));
+            greatest = max(greatest, max(row, column));
         }
     }
     return greatest;
 }
+
+/// The window's normals, zero where there is sky.
+var<private> daa_normals: array<vec3f, 64>;
 
 /// √(1 − min n̄·n) over the window's normals, as a chord: 1 − n̄·n = |n̄ − n|²/2 keeps its digits at small angles.
 /// Normals that cancel span the full cone: 2, more than any cone. The sky has no normal.
 fn daa_normal_cone(corner: vec2u) -> f32 {
     var sum = vec3f(0.0);
     var count = 0.0;
-    var code = 0u;
-    var alike = true;
+    var least = 0xffffffffu;
+    var most = 0u;
     for (var y = 0u; y < DAA_M; y++) {
         for (var x = 0u; x < DAA_M; x++) {
-            let at = corner + vec2u(x, y);
-            if textureLoad(daa_gbuffer_depth, at, 0) > DAA_SKY_DEPTH {
-                let here = textureLoad(daa_gbuffer_surface, at, 0).x;
-                alike = alike && (count == 0.0 || here == code);
-                code = here;
-                sum += daa_octahedral_decode(unpack2x16snorm(here));
-                count += 1.0;
-            }
+            let code = textureLoad(daa_gbuffer_surface, corner + vec2u(x, y), 0).x;
+            let valid = daa_depth(i32(x), i32(y)) > 0.0;
+            let n = select(vec3f(0.0), daa_octahedral_decode(unpack2x16snorm(code)), valid);
+            least = select(least, min(least, code), valid);
+            most = select(most, max(most, code), valid);
+            daa_normals[y * DAA_M + x] = n;
+            sum += n;
+            count += f32(valid);
         }
     }
-    if alike {
+    if least >= most {
         return 0.0;
     }
     let length_of_mean = length(sum) / count;
@@ -101,17 +103,12 @@ fn daa_normal_cone(corner: vec2u) -> f32 {
     let mean = sum / (length_of_mean * count);
     let two_sided = (daa_frame.flags & DAA_FLAG_TWO_SIDED) != 0u;
     var greatest = 0.0;
-    for (var y = 0u; y < DAA_M; y++) {
-        for (var x = 0u; x < DAA_M; x++) {
-            let at = corner + vec2u(x, y);
-            if textureLoad(daa_gbuffer_depth, at, 0) > DAA_SKY_DEPTH {
-                let n = daa_octahedral_decode(unpack2x16snorm(textureLoad(daa_gbuffer_surface, at, 0).x));
-                let apart = mean - n;
-                let other = mean + n;
-                let squared = dot(apart, apart);
-                greatest = max(greatest, select(squared, min(squared, dot(other, other)), two_sided));
-            }
-        }
+    for (var i = 0u; i < DAA_M * DAA_M; i++) {
+        let n = daa_normals[i];
+        let apart = mean - n;
+        let other = mean + n;
+        let squared = select(dot(apart, apart), min(dot(apart, apart), dot(other, other)), two_sided);
+        greatest = max(greatest, select(squared, 0.0, all(n == vec3f(0.0))));
     }
     return sqrt(greatest * 0.5);
 }
@@ -119,13 +116,12 @@ fn daa_normal_cone(corner: vec2u) -> f32 {
 /// Whether the window holds more than one material or object, the sky counted as one.
 fn daa_mixed_identity(corner: vec2u) -> bool {
     let identity = textureLoad(daa_gbuffer_surface, corner, 0).y;
-    let sky = textureLoad(daa_gbuffer_depth, corner, 0) > DAA_SKY_DEPTH;
+    let sky = daa_depth(0, 0) > 0.0;
     var mixed = false;
     for (var y = 0u; y < DAA_M; y++) {
         for (var x = 0u; x < DAA_M; x++) {
-            let at = corner + vec2u(x, y);
-            mixed = mixed || textureLoad(daa_gbuffer_surface, at, 0).y != identity;
-            mixed = mixed || (textureLoad(daa_gbuffer_depth, at, 0) > DAA_SKY_DEPTH) != sky;
+            mixed = mixed || textureLoad(daa_gbuffer_surface, corner + vec2u(x, y), 0).y != identity;
+            mixed = mixed || (daa_depth(i32(x), i32(y)) > 0.0) != sky;
         }
     }
     return mixed;
@@ -169,12 +165,13 @@ fn daa_metrics_main(
     let corner = id.xy * DAA_M;
     var k = 1.0;
     var by = DAA_BY_NOTHING;
+    daa_read_depths(vec2i(corner));
     if daa_frame.depth_scale > 0.0 {
         var depth = 0.0;
         if (daa_frame.flags & DAA_FLAG_DEPTH_PLANE) != 0u {
-            depth = daa_depth_discontinuity(vec2i(corner));
+            depth = daa_depth_discontinuity();
         } else {
-            depth = daa_depth_variance(vec2i(corner));
+            depth = daa_depth_variance();
         }
         let wanted = daa_frame.depth_scale * depth;
         by = select(by, DAA_BY_DEPTH, wanted > k);

@@ -6,48 +6,51 @@
 @group(3) @binding(1) var<storage, read_write> daa_plan: array<u32>;
 @group(3) @binding(2) var<storage, read_write> daa_statistics: DaaStatistics;
 
-var<workgroup> daa_extra: array<u32, 64>;
-var<workgroup> daa_tile_histogram: array<atomic<u32>, 64>;
-var<workgroup> daa_tile_decided: array<atomic<u32>, 5>;
+var<workgroup> daa_group_histogram: array<atomic<u32>, 64>;
+var<workgroup> daa_group_decided: array<atomic<u32>, 5>;
 
+/// A lane plans a tile: most tiles have little to add, and a tile's list needs no barrier this way.
 @compute @workgroup_size(64)
-fn daa_plan_main(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocation_index) lane: u32) {
-    let slot = (tile.y * daa_frame.tiles_x + tile.x) * 64u + lane;
-    let count = daa_counts[slot];
-    // 0: the tile reaches over the image's edge here.
-    var k = count & 0xffu;
-    var by = count >> 8u;
-    daa_extra[lane] = max(k, 1u) - 1u;
-    workgroupBarrier();
-
-    // At most 64 · 63, so 16 bits hold it.
-    var before = 0u;
-    var total = 0u;
-    for (var i = 0u; i < 64u; i++) {
-        before += select(0u, daa_extra[i], i < lane);
-        total += daa_extra[i];
-    }
-    if total > daa_frame.tile_limit {
-        k = min(k, 1u);
-        by = 0u;
-        before = 0u;
-        if lane == 0u {
+fn daa_plan_main(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) lane: u32) {
+    let tiles_y = (daa_frame.size.y + 7u) / 8u;
+    if id.x < daa_frame.tiles_x * tiles_y {
+        let first_slot = id.x * 64u;
+        var total = 0u;
+        for (var i = 0u; i < 64u; i++) {
+            total += max(daa_counts[first_slot + i] & 0xffu, 1u) - 1u;
+        }
+        let overflows = total > daa_frame.tile_limit;
+        if overflows {
             atomicAdd(&daa_statistics.overflowed_tiles, 1u);
         }
-    }
-    daa_plan[slot] = k | (by << 8u) | (before << 16u);
-
-    if k > 0u {
-        atomicAdd(&daa_tile_histogram[k - 1u], 1u);
-        atomicAdd(&daa_tile_decided[min(by, 4u)], 1u);
+        // At most 64 · 63, so 16 bits hold it.
+        var before = 0u;
+        // Most windows have k = 1: counted here, so that lanes do not queue for one counter.
+        var ones = 0u;
+        for (var i = 0u; i < 64u; i++) {
+            let count = daa_counts[first_slot + i];
+            // 0: the tile reaches over the image's edge here.
+            let k = select(count & 0xffu, min(count, 1u), overflows);
+            let by = select(count >> 8u, 0u, overflows);
+            daa_plan[first_slot + i] = k | (by << 8u) | (before << 16u);
+            if k == 1u {
+                ones += 1u;
+            } else if k > 1u {
+                before += k - 1u;
+                atomicAdd(&daa_group_histogram[k - 1u], 1u);
+                atomicAdd(&daa_group_decided[by], 1u);
+            }
+        }
+        atomicAdd(&daa_group_histogram[0], ones);
+        atomicAdd(&daa_group_decided[0], ones);
     }
     workgroupBarrier();
-    let windows = atomicLoad(&daa_tile_histogram[lane]);
+    let windows = atomicLoad(&daa_group_histogram[lane]);
     if windows > 0u {
         atomicAdd(&daa_statistics.histogram[lane], windows);
     }
     if lane < 5u {
-        let decided = atomicLoad(&daa_tile_decided[lane]);
+        let decided = atomicLoad(&daa_group_decided[lane]);
         if decided > 0u {
             atomicAdd(&daa_statistics.decided[lane], decided);
         }

@@ -16,6 +16,13 @@ fn daa_footprint(k: u32) -> f32 {
     return f32(DAA_M) / sqrt(f32(k));
 }
 
+/// The first sample joins the others.
+fn daa_store(pixel: vec2u, others: DaaMean) {
+    let first = daa_weighted(DaaMean(), textureLoad(daa_first, pixel, 0));
+    let mean = DaaMean(first.sum + others.sum, first.weight + others.weight);
+    textureStore(daa_color, pixel, daa_mean_finish(mean));
+}
+
 /// `Full`: every sample, the grid reference.
 @compute @workgroup_size(8, 8)
 fn daa_shade_full(@builtin(global_invocation_id) id: vec3u) {
@@ -42,56 +49,87 @@ fn daa_shade_loop(
     }
     let footprint = daa_footprint(k);
     let centre = daa_centre(k);
-    var mean = daa_weighted(DaaMean(), textureLoad(daa_first, id.xy, 0));
+    var others = DaaMean();
     for (var rank = 1u; rank < k; rank++) {
-        mean = daa_weighted(mean, daa_shade_sample(id.xy, rank, footprint, centre));
+        others = daa_weighted(others, daa_shade_sample(id.xy, rank, footprint, centre));
     }
-    textureStore(daa_color, id.xy, daa_mean_finish(mean));
+    daa_store(id.xy, others);
 }
 
-/// Radiance of one batch of the tile's list.
-var<workgroup> daa_batch: array<vec4f, 256>;
+/// Sums of windows that two or more lanes share: for each lane the window that began before its part, and the one that
+/// goes on after it.
+var<workgroup> daa_shared_sum: array<vec4f, 128>;
+var<workgroup> daa_shared_weight: array<f32, 128>;
 
-/// `Tiled`: a workgroup lays its tile's samples end to end and shades them with every lane busy (section 6 names
-/// tiles as future work). Each pixel then adds its own in rank order, as the loop does.
+/// A window of the tile: k, and where its samples lie in the tile's list.
+struct DaaWindow {
+    k: u32,
+    begin: u32,
+    end: u32,
+}
+
+fn daa_window(word: u32) -> DaaWindow {
+    let k = word & 0xffu;
+    let begin = word >> 16u;
+    return DaaWindow(k, begin, begin + max(k, 1u) - 1u);
+}
+
+/// `Tiled`: the tile's samples are laid end to end and cut into equal parts, one a lane, so that every lane is busy as
+/// long as any (section 6 names tiles as future work). A lane finishes the windows that lie in its part whole; what is
+/// left of the others meets in workgroup memory, behind the only barrier.
 @compute @workgroup_size(64)
 fn daa_shade_tiled(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocation_index) lane: u32) {
     let first_slot = (tile.y * daa_frame.tiles_x + tile.x) * 64u;
-    let last = daa_plan[first_slot + 63u];
-    let total = (last >> 16u) + max(last & 0xffu, 1u) - 1u;
+    let total = daa_window(daa_plan[first_slot + 63u]).end;
     if total == 0u {
         return;
     }
-    let mine = daa_plan[first_slot + lane];
-    let k = mine & 0xffu;
-    let begin = mine >> 16u;
-    let end = begin + max(k, 1u) - 1u;
-    let pixel = tile.xy * 8u + vec2u(lane & 7u, lane >> 3u);
+    let part = (total + 63u) / 64u;
+    let part_begin = min(lane * part, total);
+    let part_end = min(part_begin + part, total);
+
+    // The last window whose samples begin at or before this part.
+    var index = 0u;
+    for (var stride = 32u; stride > 0u; stride >>= 1u) {
+        index += select(0u, stride, (daa_plan[first_slot + index + stride] >> 16u) <= part_begin);
+    }
+    var window = daa_window(daa_plan[first_slot + index]);
     var mean = DaaMean();
-    if k > 1u {
-        mean = daa_weighted(mean, textureLoad(daa_first, pixel, 0));
-    }
-    for (var base = 0u; base < total; base += 256u) {
-        let limit = min(base + 256u, total);
-        for (var entry = base + lane; entry < limit; entry += 64u) {
-            // The last window whose samples begin at or before this entry.
-            var window = 0u;
-            for (var stride = 32u; stride > 0u; stride >>= 1u) {
-                window += select(0u, stride, (daa_plan[first_slot + window + stride] >> 16u) <= entry);
+    for (var entry = part_begin; entry < part_end; entry++) {
+        let pixel = tile.xy * 8u + vec2u(index & 7u, index >> 3u);
+        let rank = entry - window.begin + 1u;
+        mean = daa_weighted(mean, daa_shade_sample(pixel, rank, daa_footprint(window.k), daa_centre(window.k)));
+        if entry + 1u == window.end || entry + 1u == part_end {
+            if window.begin >= part_begin && window.end <= part_end {
+                daa_store(pixel, mean);
+            } else {
+                let slot = lane * 2u + select(1u, 0u, window.begin < part_begin);
+                daa_shared_sum[slot] = mean.sum;
+                daa_shared_weight[slot] = mean.weight;
             }
-            let word = daa_plan[first_slot + window];
-            let count = word & 0xffu;
-            let at = tile.xy * 8u + vec2u(window & 7u, window >> 3u);
-            let rank = entry - (word >> 16u) + 1u;
-            daa_batch[entry - base] = daa_shade_sample(at, rank, daa_footprint(count), daa_centre(count));
+            mean = DaaMean();
+            // On to the next window that has samples; the last part ends with the last one.
+            while entry + 1u < part_end && entry + 1u >= window.end {
+                index += 1u;
+                window = daa_window(daa_plan[first_slot + index]);
+            }
         }
-        workgroupBarrier();
-        for (var entry = max(begin, base); entry < min(end, limit); entry++) {
-            mean = daa_weighted(mean, daa_batch[entry - base]);
-        }
-        workgroupBarrier();
     }
-    if k > 1u {
-        textureStore(daa_color, pixel, daa_mean_finish(mean));
+    workgroupBarrier();
+
+    let mine = daa_window(daa_plan[first_slot + lane]);
+    if mine.k < 2u {
+        return;
     }
+    let from_lane = mine.begin / part;
+    let to_lane = (mine.end - 1u) / part;
+    if from_lane == to_lane {
+        return;
+    }
+    var others = DaaMean();
+    for (var i = from_lane; i <= to_lane; i++) {
+        let slot = i * 2u + select(1u, 0u, mine.begin < i * part);
+        others = DaaMean(others.sum + daa_shared_sum[slot], others.weight + daa_shared_weight[slot]);
+    }
+    daa_store(tile.xy * 8u + vec2u(lane & 7u, lane >> 3u), others);
 }

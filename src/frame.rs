@@ -58,6 +58,7 @@ pub(crate) struct FrameUniform {
     pub tile_limit: u32,
     pub view: u32,
     pub order: [[u32; 4]; 16],
+    pub centres: [[f32; 4]; 32],
 }
 
 /// Bits of `DaaFrame::flags`; their values are read from the shader by a test.
@@ -67,9 +68,8 @@ pub(crate) mod flag {
     pub const LUMINANCE_PERCEPTUAL: u32 = 4;
     pub const LUMINANCE_CENTRE: u32 = 8;
     pub const WEIGHT_LUMINANCE: u32 = 16;
-    pub const CENTRED: u32 = 32;
-    pub const FULL: u32 = 64;
-    pub const PLANNED: u32 = 128;
+    pub const FULL: u32 = 32;
+    pub const PLANNED: u32 = 64;
 }
 
 impl FrameUniform {
@@ -85,13 +85,20 @@ impl FrameUniform {
             (w.luminance == LuminanceCurve::Perceptual, flag::LUMINANCE_PERCEPTUAL),
             (w.luminance_centre, flag::LUMINANCE_CENTRE),
             (frame.settings.weight == Weight::Luminance, flag::WEIGHT_LUMINANCE),
-            (w.centred, flag::CENTRED),
             (frame.settings.technique == Technique::Full, flag::FULL),
             (frame.settings.technique == Technique::Windowed, flag::PLANNED),
         ];
         let mut order = [[0; 4]; 16];
+        let mut centres = [[0.0; 4]; 32];
+        let mut sum = [0.0; 2];
         for (rank, (x, y)) in window::order(m).into_iter().enumerate() {
             order[rank / 4][rank % 4] = u32::from(x) | u32::from(y) << 4;
+            for (axis, place) in [x, y].into_iter().enumerate() {
+                sum[axis] += f32::from(place);
+                if w.centred {
+                    centres[rank / 2][rank % 2 * 2 + axis] = (m - 1) as f32 * 0.5 - sum[axis] / (rank + 1) as f32;
+                }
+            }
         }
         Ok(Self {
             relative_from_clip: relative_from_clip.to_cols_array_2d(),
@@ -111,6 +118,7 @@ impl FrameUniform {
             tile_limit: w.tile_limit,
             view: frame.settings.view as u32,
             order,
+            centres,
         })
     }
 }

@@ -437,6 +437,8 @@ impl Recording<'_> {
         };
         let Some((pipeline, own, shades)) = compute else { return };
         let [x, y] = scratch::tiles(sized.scratch.size);
+        // A plan's workgroup does 64 tiles, the others' one.
+        let (x, y) = if pass.step == Step::Plan { ((x * y).div_ceil(64), 1) } else { (x, y) };
         let mut compute = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
             label: Some(pass.info.name),
             timestamp_writes: timestamps.map(|(query_set, begin, end)| wgpu::ComputePassTimestampWrites {

@@ -9,8 +9,8 @@ use deferred_aa::{
     BuildError, DeferredAa, Descriptor, Frame, RecordError, Settings, Shading, SizeError, Statistics, Technique, TextureTier,
 };
 
-/// Of the target: linear, as exact as the node computes.
-pub const TARGET_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
+/// Of the target: linear HDR, as most engines have it.
+pub const TARGET_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
 /// Most textures of a scene on the binding tier.
 const TEXTURE_CAPACITY: u32 = 1024;
@@ -201,8 +201,9 @@ impl Host {
 
     /// The target's content. Waits.
     pub fn picture(&self) -> Picture {
-        let bytes = self.gpu.read_texture(&self.target, 16);
-        let rgba = bytemuck::pod_collect_to_vec(&bytes);
+        let bytes = self.gpu.read_texture(&self.target, 8);
+        let halves = bytes.as_chunks::<2>().0.iter().map(|&b| half::f16::from_le_bytes(b).to_f32());
+        let rgba = halves.collect::<Vec<_>>().as_chunks::<4>().0.to_vec();
         Picture { width: self.options.width, height: self.options.height, rgba }
     }
 

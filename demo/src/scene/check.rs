@@ -69,7 +69,7 @@ impl Mesh {
         let count = self.positions.len();
         let lengths = [self.normals.len(), self.tangents.len(), self.uvs.len(), self.colors.len()];
         ensure(lengths == [count; 4], || format!("{count} positions, but other arrays are {lengths:?}"))?;
-        ensure(self.indices.len() % 3 == 0, || "incomplete triangle".to_owned())?;
+        ensure(self.indices.len().is_multiple_of(3), || "incomplete triangle".to_owned())?;
         ensure(self.indices.iter().all(|&index| (index as usize) < count), || "index out of range".to_owned())?;
         ensure(self.positions.iter().all(|p| p.is_finite()), || "position not finite".to_owned())?;
         ensure(self.uvs.iter().all(|uv| uv.is_finite()), || "texture coordinate not finite".to_owned())?;

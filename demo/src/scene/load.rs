@@ -20,10 +20,10 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use glam::{Mat4, Vec3};
-use gltf_json::Root;
+use gltf::json::Root;
 
-pub use self::error::{LoadError, Problem};
 use self::accessor::Document;
+pub use self::error::{LoadError, Problem};
 use self::material::MaterialTable;
 use super::{Camera, Instance, Light, Mesh, Scene, Sun};
 
@@ -43,6 +43,11 @@ const MAX_INSTANCES: usize = 1 << 20;
 const MAX_NOTICES: usize = 100;
 
 /// Loads scene `scene_index` of a file, or its default scene.
+///
+/// # Errors
+///
+/// If the file, or one it needs, cannot be read, is damaged, or needs what this loader lacks. What can be shown in part
+/// is shown in part, with [`Scene::notices`].
 pub fn load(path: &Path, scene_index: Option<usize>) -> Result<Scene, LoadError> {
     let scene = uri::read_file(path).and_then(|file| parse(&file, path, scene_index));
     scene.map_err(|problem| LoadError::new(path, problem))
@@ -86,12 +91,12 @@ fn check_extensions(root: &Root, notices: &mut Vec<String>) -> Result<(), Proble
         return Err(Problem::Extension(name.clone()));
     }
     let ignored = root.extensions_used.iter().filter(unsupported);
-    notices.extend(ignored.map(|name| format!("extension {name} is not supported and ignored")));
+    notices.extend(ignored.map(|name| format!("extension {} is not supported and ignored", name.escape_debug())));
     Ok(())
 }
 
 fn buffers<'a>(root: &Root, bin: Option<&'a [u8]>, folder: &Path) -> Result<Vec<Cow<'a, [u8]>>, Problem> {
-    let load = |(number, buffer): (usize, &gltf_json::Buffer)| {
+    let load = |(number, buffer): (usize, &gltf::json::Buffer)| {
         let place = label("buffer", number, buffer.name.as_deref());
         let bytes = match (&buffer.uri, bin) {
             (Some(uri), _) => Cow::Owned(uri::read(uri, folder, &place)?),
@@ -158,19 +163,17 @@ impl<'a> Assembly<'a> {
         let root = &self.document.root;
         let node = &root.nodes[number];
         let place = label("node", number, node.name.as_deref());
-        let dangling =
-            |kind, index, count| Problem::Reference { from: place.clone(), kind, index, count };
+        let dangling = |kind, index, count| Problem::Reference { from: place.clone(), kind, index, count };
 
         if let Some(index) = node.camera.map(|camera| camera.value()) {
-            let camera =
-                root.cameras.get(index).ok_or_else(|| dangling("camera", index, root.cameras.len()))?;
+            let camera = root.cameras.get(index).ok_or_else(|| dangling("camera", index, root.cameras.len()))?;
             match cameras::convert(camera, world) {
                 Some(camera) => self.cameras.push(camera),
                 None => self.notices.push(format!("{place}: camera {index} ignored, it is degenerate")),
             }
         }
         if let Some(light) = node.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref()) {
-            let lights: &[gltf_json::extensions::scene::khr_lights_punctual::Light] = root.as_ref();
+            let lights: &[gltf::json::extensions::scene::khr_lights_punctual::Light] = root.as_ref();
             let index = light.light.value();
             let light = lights.get(index).ok_or_else(|| dangling("light", index, lights.len()))?;
             match lights::convert(light, world) {

@@ -7,6 +7,7 @@ pub mod builtin;
 mod check;
 pub mod load;
 mod tangents;
+mod vectors;
 mod view;
 
 pub use view::{Bounds, frame_camera};
@@ -219,7 +220,11 @@ pub struct Sky {
 
 impl Default for Sky {
     fn default() -> Self {
-        Self { zenith: Vec3::new(0.25, 0.42, 0.8), horizon: Vec3::new(0.7, 0.8, 0.9), ground: Vec3::new(0.25, 0.22, 0.2) }
+        Self {
+            zenith: Vec3::new(0.25, 0.42, 0.8),
+            horizon: Vec3::new(0.7, 0.8, 0.9),
+            ground: Vec3::new(0.25, 0.22, 0.2),
+        }
     }
 }
 

@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
 use glam::{Vec2, Vec3, Vec4};
 
+use super::vectors::unit;
 use super::{Mesh, TextureRef};
 
 /// Beyond this, products in MikkTSpace overflow.
@@ -15,13 +16,10 @@ const MAX_AROUND: u32 = 256;
 /// Gives `mesh` MikkTSpace tangents for a normal map that is read through `map`. Vertices whose triangles disagree
 /// are duplicated.
 pub(super) fn generate(mesh: &mut Mesh, map: &TextureRef) {
-    let uvs: Vec<Vec2> = mesh
-        .uvs
-        .iter()
-        .map(|uv| uv.extend(1.0))
-        .map(|uv| Vec2::new(map.u_row.dot(uv), map.v_row.dot(uv)))
-        .collect();
-    let mut tangents: Vec<_> = mesh.indices.chunks_exact(3).flat_map(|face| [face_tangent(mesh, &uvs, face); 3]).collect();
+    let uvs: Vec<Vec2> =
+        mesh.uvs.iter().map(|uv| uv.extend(1.0)).map(|uv| Vec2::new(map.u_row.dot(uv), map.v_row.dot(uv))).collect();
+    let mut tangents: Vec<_> =
+        mesh.indices.chunks_exact(3).flat_map(|face| [face_tangent(mesh, &uvs, face); 3]).collect();
     let faces = digestible(mesh, &uvs);
     // The error type has no values.
     let _ = generate_tangents(&mut Corners { mesh, uvs: &uvs, faces: &faces, tangents: &mut tangents });
@@ -65,11 +63,13 @@ pub(super) fn arbitrary(mesh: &mut Mesh) {
 
 /// `tangent` made orthogonal to the unit `normal`, with a proper sign; any tangent if that cannot be done.
 pub(super) fn orthogonal(tangent: Vec4, normal: Vec3) -> Vec4 {
-    let direction = tangent.truncate();
-    match (direction - normal * normal.dot(direction)).try_normalize() {
-        Some(direction) => direction.extend(if tangent.w < 0.0 { -1.0 } else { 1.0 }),
-        None => any_tangent(normal),
+    let Some(direction) = unit(tangent.truncate()) else { return any_tangent(normal) };
+    let rejected = direction - normal * normal.dot(direction);
+    if rejected.length() < 1e-3 {
+        // What is left is rounding.
+        return any_tangent(normal);
     }
+    rejected.normalize().extend(if tangent.w < 0.0 { -1.0 } else { 1.0 })
 }
 
 fn any_tangent(normal: Vec3) -> Vec4 {

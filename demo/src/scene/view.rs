@@ -113,11 +113,7 @@ mod tests {
 
     fn points(positions: Vec<Vec3>) -> Scene {
         let instance = Instance { mesh: 0, world_from_mesh: Mat4::from_translation(Vec3::X), object: 1 };
-        Scene {
-            meshes: vec![Mesh { positions, ..Mesh::default() }],
-            instances: vec![instance],
-            ..Scene::default()
-        }
+        Scene { meshes: vec![Mesh { positions, ..Mesh::default() }], instances: vec![instance], ..Scene::default() }
     }
 
     #[test]

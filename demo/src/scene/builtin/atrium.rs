@@ -8,7 +8,7 @@ use glam::{EulerRot, Mat4, Quat, Vec2, Vec3};
 use super::paint::{self, Painting, clouds, hash, noise, step};
 use super::shape::Shape;
 use super::stage::{Stage, matt, perspective, srgb};
-use crate::scene::{Material, Sky, Sun, Texture, Wrap};
+use crate::scene::{Material, Sky, Sun, Texture, TextureRef, Wrap};
 
 /// Where the arcade nearest to the viewer begins; the hall runs towards −z.
 const START: f32 = 14.0;
@@ -48,10 +48,8 @@ pub(super) fn build() -> Stage {
         horizon: Vec3::new(0.72, 0.82, 0.95),
         ground: Vec3::new(0.2, 0.17, 0.14),
     });
-    stage.sun(Sun {
-        to_sun: Vec3::new(-0.45, 0.75, 0.3).normalize(),
-        irradiance: Vec3::new(1.0, 0.93, 0.8) * PI * 1.1,
-    });
+    stage
+        .sun(Sun { to_sun: Vec3::new(-0.45, 0.75, 0.3).normalize(), irradiance: Vec3::new(1.0, 0.93, 0.8) * PI * 1.1 });
     let palette = palette(&mut stage);
 
     landscape(&mut stage, &palette);
@@ -146,12 +144,8 @@ fn palette(stage: &mut Stage) -> Palette {
 }
 
 /// The same texture, `per_metre` times a metre.
-fn scaled(texture: Option<crate::scene::TextureRef>, per_metre: f32) -> Option<crate::scene::TextureRef> {
-    texture.map(|texture| crate::scene::TextureRef {
-        u_row: texture.u_row * per_metre,
-        v_row: texture.v_row * per_metre,
-        ..texture
-    })
+fn scaled(texture: Option<TextureRef>, per_metre: f32) -> Option<TextureRef> {
+    texture.map(|texture| TextureRef { u_row: texture.u_row * per_metre, v_row: texture.v_row * per_metre, ..texture })
 }
 
 /// Four by four slabs, laid as a checkerboard of two stones.
@@ -475,9 +469,7 @@ fn cornices() -> Shape {
     let half = BAY / 2.0;
     for (y, proud, teeth) in [(UPPER - 0.3, 0.45, 16), (ROOF, 0.34, 20)] {
         let band = |from: f32, to: f32, proud: f32| (Vec3::new(-proud, y + from, -half), Vec3::new(0.3, y + to, half));
-        for (min, max) in
-            [band(0.0, 0.08, proud), band(0.16, 0.24, proud + 0.16), band(0.24, 0.3, proud + 0.22)]
-        {
+        for (min, max) in [band(0.0, 0.08, proud), band(0.16, 0.24, proud + 0.16), band(0.24, 0.3, proud + 0.22)] {
             shape.cuboid(min, max);
         }
         let pitch = BAY / teeth as f32;
@@ -576,9 +568,8 @@ fn cloths(stage: &mut Stage, palette: &Palette) {
         let at = |t: f32, sag: f32, y: f32, dz: f32| {
             Vec3::new((2.0 * t - 1.0) * span, y - sag * 4.0 * t * (1.0 - t), z + dz * t)
         };
-        let curve = |sag: f32, y: f32, dz: f32| -> Vec<Vec3> {
-            (0..=24).map(|k| at(k as f32 / 24.0, sag, y, dz)).collect()
-        };
+        let curve =
+            |sag: f32, y: f32, dz: f32| -> Vec<Vec3> { (0..=24).map(|k| at(k as f32 / 24.0, sag, y, dz)).collect() };
         cables.wire(&curve(0.25, 9.0, 0.0), 0.006, 6);
         stage.place(across[(i + 1) % 4], Mat4::from_translation(at(0.5, 0.25, 9.0, 0.0)));
         for (dz, y) in [(BAY, 8.7), (-BAY, 8.4)] {
@@ -647,7 +638,11 @@ fn lanterns(stage: &mut Stage, palette: &Palette) {
 
 fn greenery(stage: &mut Stage, palette: &Palette) {
     let mut pot = Shape::default();
-    pot.lathe(&[(0.0, 0.02), (0.22, 0.02), (0.34, 0.55), (0.38, 0.55), (0.38, 0.64), (0.31, 0.64), (0.3, 0.56)], 24, 1.0);
+    pot.lathe(
+        &[(0.0, 0.02), (0.22, 0.02), (0.34, 0.55), (0.38, 0.55), (0.38, 0.64), (0.31, 0.64), (0.3, 0.56)],
+        24,
+        1.0,
+    );
     pot.lathe(&[(0.3, 0.56), (0.0, 0.58)], 24, 1.0);
     let pot = stage.mesh("pot", pot, palette.terracotta);
     let bushes = [0, 1, 2].map(|kind| stage.mesh("bush", bush(kind), palette.leaves));
@@ -673,7 +668,8 @@ fn bush(kind: i32) -> Shape {
         let around = i as f32 * 2.4 + kind as f32;
         let lean = 0.15 + 0.95 * hash(i, kind, 80);
         let size = 0.55 + 0.4 * hash(i, kind, 81);
-        let turn = Quat::from_rotation_y(around) * Quat::from_rotation_x(lean) * Quat::from_rotation_y(hash(i, kind, 82) * PI);
+        let turn =
+            Quat::from_rotation_y(around) * Quat::from_rotation_x(lean) * Quat::from_rotation_y(hash(i, kind, 82) * PI);
         let root = Vec3::Y * 0.55 * hash(i, kind, 83);
         leaf_card(&mut shape, Mat4::from_rotation_translation(turn, root), size);
     }
@@ -694,7 +690,8 @@ fn ivy() -> Shape {
             let sway = 0.12 * (hash(i, trail, 91) - 0.5);
             let at = Vec3::new(-0.04 - 0.06 * hash(i, trail, 92), -down, z + sway);
             let hang = PI + 1.4 * (hash(i, trail, 93) - 0.5);
-            let turn = Quat::from_rotation_y(-PI / 2.0 + 0.7 * (hash(i, trail, 94) - 0.5)) * Quat::from_rotation_z(hang);
+            let turn =
+                Quat::from_rotation_y(-PI / 2.0 + 0.7 * (hash(i, trail, 94) - 0.5)) * Quat::from_rotation_z(hang);
             leaf_card(&mut shape, Mat4::from_rotation_translation(turn, at), 0.34);
         }
     }

@@ -43,14 +43,13 @@ pub(super) fn build() -> Stage {
     let normal_texture = stage.data_texture(dents);
     for (i, (name, texture, shape)) in panels.into_iter().enumerate() {
         let base_color_texture = Some(stage.texture(texture));
-        let material =
-            stage.material(Material { base_color_texture, normal_texture, roughness: 0.45, ..matt(name) });
+        let material = stage.material(Material { base_color_texture, normal_texture, roughness: 0.45, ..matt(name) });
         let mesh = stage.mesh(name, shape, material);
         // Two rows on an arc around the viewer, so that the outer ones are seen at a slant.
         let (row, column) = (i / PER_ROW, i % PER_ROW);
-        let angle = (column as f32 - (PER_ROW - 1) as f32 / 2.0) * 0.46;
+        let angle = (column as f32 - (PER_ROW - 1) as f32 / 2.0) * 0.40;
         let at = Vec3::new(0.0, 1.35 + row as f32 * (PANEL + 0.2), -6.2);
-        let slant = Mat4::from_rotation_y(-1.5 * angle);
+        let slant = Mat4::from_rotation_y(-0.7 * angle);
         stage.place(mesh, Mat4::from_rotation_y(-angle) * Mat4::from_translation(at) * slant);
     }
 

@@ -30,9 +30,8 @@ pub(super) fn masked(width: u32, height: u32, color: impl Fn(Vec2) -> (Vec3, f32
 /// The normal map of a tiling surface of this height, which counts in widths of the tile.
 pub(super) fn relief(size: u32, height: impl Fn(Vec2) -> f32) -> Painting {
     let step = 1.0 / size as f32;
-    let heights: Vec<f32> = (0..size * size)
-        .map(|i| height(Vec2::new((i % size) as f32 + 0.5, (i / size) as f32 + 0.5) * step))
-        .collect();
+    let heights: Vec<f32> =
+        (0..size * size).map(|i| height(Vec2::new((i % size) as f32 + 0.5, (i / size) as f32 + 0.5) * step)).collect();
     let at = |x: u32, y: u32| heights[((y % size) * size + x % size) as usize];
     opaque(size, size, |uv| {
         let (x, y) = ((uv.x * size as f32) as u32, (uv.y * size as f32) as u32);
@@ -45,7 +44,8 @@ pub(super) fn relief(size: u32, height: impl Fn(Vec2) -> f32) -> Painting {
 
 /// A number in [0, 1) that looks random.
 pub(super) fn hash(x: i32, y: i32, seed: u32) -> f32 {
-    let mut h = (x as u32).wrapping_mul(0x85eb_ca6b) ^ (y as u32).wrapping_mul(0xc2b2_ae35) ^ seed.wrapping_mul(0x27d4_eb2f);
+    let mut h =
+        (x as u32).wrapping_mul(0x85eb_ca6b) ^ (y as u32).wrapping_mul(0xc2b2_ae35) ^ seed.wrapping_mul(0x27d4_eb2f);
     for multiplier in [0x7feb_352d_u32, 0x846c_a68b] {
         h = (h ^ h >> 16).wrapping_mul(multiplier);
     }

@@ -47,7 +47,9 @@ impl Shape {
     /// coordinates go from `uv_from` to `uv_to`, the second one downwards.
     pub fn quad(&mut self, origin: Vec3, u: Vec3, v: Vec3, uv_from: Vec2, uv_to: Vec2) {
         let normal = u.cross(v).normalize();
-        self.surface(1, 1, |s, t| (origin + u * s + v * t, normal, uv_from + (uv_to - uv_from) * Vec2::new(s, 1.0 - t)));
+        self.surface(1, 1, |s, t| {
+            (origin + u * s + v * t, normal, uv_from + (uv_to - uv_from) * Vec2::new(s, 1.0 - t))
+        });
     }
 
     /// A triangle, textured all over.

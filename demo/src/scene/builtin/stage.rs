@@ -5,7 +5,8 @@ use glam::{Mat4, Vec3, Vec4};
 use super::paint::Painting;
 use super::shape::Shape;
 use crate::scene::{
-    Camera, Image, Instance, Lens, Light, LightKind, Material, Mesh, Scene, Sky, Sun, Texture, TextureRef, Wrap, tangents,
+    Camera, Image, Instance, Lens, Light, LightKind, Material, Mesh, Scene, Sky, Sun, Texture, TextureRef, Wrap,
+    tangents,
 };
 
 /// A scene under construction.

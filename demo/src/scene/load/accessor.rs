@@ -1,10 +1,10 @@
 //! Reading numbers out of buffers. Everything is checked against the bytes that are really there before any
 //! element is read, and nothing is allocated in proportion to a number that the file merely claims.
 
-use gltf_json::accessor::{Accessor, ComponentType};
-use gltf_json::buffer::View;
-use gltf_json::validation::Checked;
-use gltf_json::{Index, Root};
+use gltf::json::accessor::{Accessor, ComponentType};
+use gltf::json::buffer::View;
+use gltf::json::validation::Checked;
+use gltf::json::{Index, Root};
 
 /// Accessors without a buffer view claim zeros without any bytes to bound them.
 const MAX_IMPLIED: usize = 1 << 24;

@@ -3,8 +3,9 @@
 use std::f32::consts::FRAC_PI_2;
 
 use glam::{Mat4, Vec3};
-use gltf_json::camera;
+use gltf::json::camera;
 
+use crate::scene::vectors::unit;
 use crate::scene::{Camera, Lens};
 
 /// In radians: half a degree to nearly a half turn.
@@ -13,8 +14,8 @@ const FOV_RANGE: std::ops::RangeInclusive<f32> = 0.008..=3.1;
 /// The camera of a node under `world`; `None` if it cannot show anything.
 pub(super) fn convert(camera: &camera::Camera, world: Mat4) -> Option<Camera> {
     let eye = world.w_axis.truncate();
-    let forward = (-world.z_axis.truncate()).try_normalize()?;
-    let up = world.y_axis.truncate().try_normalize()?;
+    let forward = unit(-world.z_axis.truncate())?;
+    let up = unit(world.y_axis.truncate())?;
     if forward.cross(up).length() < 1e-3 {
         return None;
     }

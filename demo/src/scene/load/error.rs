@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 /// A file that could not be loaded: which one, what is wrong where, and what helps. One line.
 #[derive(Debug, thiserror::Error)]
-#[error("{}: {problem}", path.display())]
+#[error("{}: {}", path.display(), one_line(problem))]
 pub struct LoadError {
     /// The scene file, as given.
     pub path: PathBuf,
@@ -16,6 +16,11 @@ impl LoadError {
     pub(super) fn new(path: &Path, problem: Problem) -> Self {
         Self { path: path.to_owned(), problem }
     }
+}
+
+/// Files can smuggle line breaks into messages through the names in them.
+fn one_line(problem: &Problem) -> String {
+    problem.to_string().replace(char::is_control, " ")
 }
 
 /// What is wrong with a scene file. Messages name the place in the file and the cure.

@@ -8,9 +8,10 @@
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 use glam::{Mat4, Vec3};
-use gltf_json::extensions::scene::khr_lights_punctual as json;
-use gltf_json::validation::Checked;
+use gltf::json::extensions::scene::khr_lights_punctual as json;
+use gltf::json::validation::Checked;
 
+use crate::scene::vectors::unit;
 use crate::scene::{Light, LightKind, Sun};
 
 /// Irradiance in the middle of the scene that is left as it is.
@@ -28,14 +29,15 @@ pub(super) fn convert(light: &json::Light, world: Mat4) -> Option<Light> {
         Checked::Valid(json::Type::Directional) => LightKind::Directional,
         Checked::Valid(json::Type::Point) => LightKind::Point,
         Checked::Valid(json::Type::Spot) => {
-            let (inner, outer) = light.spot.as_ref().map_or((0.0, FRAC_PI_4), |s| (s.inner_cone_angle, s.outer_cone_angle));
+            let (inner, outer) =
+                light.spot.as_ref().map_or((0.0, FRAC_PI_4), |s| (s.inner_cone_angle, s.outer_cone_angle));
             let outer = if outer.is_finite() { outer.clamp(1e-3, FRAC_PI_2) } else { FRAC_PI_4 };
             let inner = if inner.is_finite() { inner.clamp(0.0, outer - 5e-4) } else { 0.0 };
             LightKind::Spot { inner, outer }
         }
         Checked::Invalid => return None,
     };
-    let direction = (-world.z_axis.truncate()).try_normalize();
+    let direction = unit(-world.z_axis.truncate());
     let direction = match kind {
         LightKind::Point => direction.unwrap_or(Vec3::NEG_Z),
         _ => direction?,

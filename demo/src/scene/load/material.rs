@@ -3,12 +3,12 @@
 use std::collections::HashMap;
 
 use glam::{Vec3, Vec4};
-use gltf_json as json;
-use gltf_json::extensions::texture::TextureTransform;
-use gltf_json::material::AlphaMode;
-use gltf_json::texture::{MagFilter, MinFilter, WrappingMode};
-use gltf_json::validation::Checked;
-use gltf_json::{Index, Root};
+use gltf::json as json;
+use gltf::json::extensions::texture::TextureTransform;
+use gltf::json::material::AlphaMode;
+use gltf::json::texture::{MagFilter, MinFilter, WrappingMode};
+use gltf::json::validation::Checked;
+use gltf::json::{Index, Root};
 use serde_json::{Map, Value};
 
 use super::error::Problem;
@@ -180,8 +180,10 @@ impl<'a> MaterialTable<'a> {
         let root = self.root;
         let dangling = |from: String, kind, index, count| Problem::Reference { from, kind, index, count };
         let number = reference.texture.value();
-        let texture =
-            root.textures.get(number).ok_or_else(|| dangling(place.to_owned(), "texture", number, root.textures.len()))?;
+        let texture = root
+            .textures
+            .get(number)
+            .ok_or_else(|| dangling(place.to_owned(), "texture", number, root.textures.len()))?;
         // What gltf-json stores for "no source".
         if texture.source.value() == u32::MAX as usize {
             self.notice(format!("{place}: {role} texture ignored, texture {number} has no PNG or JPEG source"));
@@ -210,7 +212,8 @@ impl<'a> MaterialTable<'a> {
             self.images.len() - 1
         });
         use MinFilter::{Nearest, NearestMipmapLinear, NearestMipmapNearest};
-        let near = matches!(sampler.min_filter, Some(Checked::Valid(Nearest | NearestMipmapNearest | NearestMipmapLinear)));
+        let near =
+            matches!(sampler.min_filter, Some(Checked::Valid(Nearest | NearestMipmapNearest | NearestMipmapLinear)));
         let texture = Texture {
             image,
             srgb,

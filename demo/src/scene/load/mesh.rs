@@ -1,13 +1,14 @@
 //! From a glTF primitive to a mesh.
 
 use glam::{Vec2, Vec3, Vec4};
-use gltf_json::accessor::Accessor;
-use gltf_json::mesh::{Mode, Primitive, Semantic};
-use gltf_json::validation::Checked;
-use gltf_json::Index;
+use gltf::json::Index;
+use gltf::json::accessor::Accessor;
+use gltf::json::mesh::{Mode, Primitive, Semantic};
+use gltf::json::validation::Checked;
 
 use super::accessor::{Document, Elements};
 use super::error::Problem;
+use crate::scene::vectors::unit;
 use crate::scene::{Material, Mesh, tangents};
 
 /// Triangle corners of all meshes together, before and after strips are taken apart.
@@ -70,7 +71,7 @@ pub(super) fn convert(
     }
     if mode != Mode::Triangles {
         spend(budget, order.len().saturating_mul(2))?;
-    } else if order.len() % 3 != 0 {
+    } else if !order.len().is_multiple_of(3) {
         notice("the last triangle is incomplete and left out".to_owned());
     }
     let mut corners = triangles(mode, order);
@@ -120,12 +121,7 @@ pub(super) fn convert(
 
 impl<'a> Attributes<'a> {
     /// `None` if there are no positions.
-    fn find(
-        document: &'a Document,
-        primitive: &Primitive,
-        place: &str,
-        uv_set: u32,
-    ) -> Result<Option<Self>, Problem> {
+    fn find(document: &'a Document, primitive: &Primitive, place: &str, uv_set: u32) -> Result<Option<Self>, Problem> {
         let find = |semantic: Semantic, shapes: &[usize]| {
             let Some(&index) = primitive.attributes.get(&Checked::Valid(semantic)) else { return Ok(None) };
             let elements = elements(document, index, place)?;
@@ -158,7 +154,7 @@ impl<'a> Attributes<'a> {
         let vertices = || used.iter().map(|&vertex| vertex as usize).enumerate();
 
         mesh.normals = match &self.normals {
-            Some(normals) => vertices().map(|(_, v)| Vec3::from(normals.floats(v)).normalize_or_zero()).collect(),
+            Some(normals) => vertices().map(|(_, v)| unit(normals.floats(v).into()).unwrap_or_default()).collect(),
             None => vec![Vec3::ZERO; used.len()],
         };
         for triangle in mesh.indices.chunks_exact(3) {

@@ -1,10 +1,10 @@
 //! The node hierarchy: what stands where.
 
 use glam::{Mat4, Quat, Vec3, Vec4};
-use gltf_json::Root;
-use gltf_json::accessor::Accessor;
-use gltf_json::scene::Node;
-use gltf_json::{Index, extensions};
+use gltf::json::Root;
+use gltf::json::accessor::Accessor;
+use gltf::json::scene::Node;
+use gltf::json::{Index, extensions};
 
 use super::accessor::Document;
 use super::error::Problem;
@@ -109,7 +109,9 @@ pub(super) fn copies(document: &Document, node: &Node, place: &str, world: Mat4)
         let accessor = u32::try_from(number).unwrap_or(u32::MAX);
         document
             .elements(Index::<Accessor>::new(accessor))
-            .and_then(|e| if e.dimensions() == dimensions { Ok(e) } else { Err("wrong number of components".to_owned()) })
+            .and_then(
+                |e| if e.dimensions() == dimensions { Ok(e) } else { Err("wrong number of components".to_owned()) },
+            )
             .map(Some)
             .map_err(|reason| Problem::Accessor { place: place.to_owned(), accessor: accessor as usize, reason })
     };
