@@ -56,10 +56,10 @@ fn daa_shade_loop(
     daa_store(id.xy, others);
 }
 
-/// Sums of windows that two or more lanes share: for each lane the window that began before its part, and the one that
-/// goes on after it.
-var<workgroup> daa_shared_sum: array<vec4f, 128>;
-var<workgroup> daa_shared_weight: array<f32, 128>;
+/// Sums of samples beyond the first. 0 to 63: of each window, by the lane in whose part it begins. 64 to 127: of what
+/// each lane found going on from the part before.
+var<workgroup> daa_sums: array<vec4f, 128>;
+var<workgroup> daa_weights: array<f32, 128>;
 
 /// A window of the tile: k, and where its samples lie in the tile's list.
 struct DaaWindow {
@@ -75,8 +75,7 @@ fn daa_window(word: u32) -> DaaWindow {
 }
 
 /// `Tiled`: the tile's samples are laid end to end and cut into equal parts, one a lane, so that every lane is busy as
-/// long as any (section 6 names tiles as future work). A lane finishes the windows that lie in its part whole; what is
-/// left of the others meets in workgroup memory, behind the only barrier.
+/// long as any (section 6 names tiles as future work). The parts meet in workgroup memory behind the only barrier.
 @compute @workgroup_size(64)
 fn daa_shade_tiled(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocation_index) lane: u32) {
     let first_slot = (tile.y * daa_frame.tiles_x + tile.x) * 64u;
@@ -96,40 +95,29 @@ fn daa_shade_tiled(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocation
     var window = daa_window(daa_plan[first_slot + index]);
     var mean = DaaMean();
     for (var entry = part_begin; entry < part_end; entry++) {
-        let pixel = tile.xy * 8u + vec2u(index & 7u, index >> 3u);
-        let rank = entry - window.begin + 1u;
-        mean = daa_weighted(mean, daa_shade_sample(pixel, rank, daa_footprint(window.k), daa_centre(window.k)));
-        if entry + 1u == window.end || entry + 1u == part_end {
-            if window.begin >= part_begin && window.end <= part_end {
-                daa_store(pixel, mean);
-            } else {
-                let slot = lane * 2u + select(1u, 0u, window.begin < part_begin);
-                daa_shared_sum[slot] = mean.sum;
-                daa_shared_weight[slot] = mean.weight;
-            }
+        // On to the next window that has samples; there is one, since the list goes on.
+        if entry == window.end {
             mean = DaaMean();
-            // On to the next window that has samples; the last part ends with the last one.
-            while entry + 1u < part_end && entry + 1u >= window.end {
+            while entry == window.end {
                 index += 1u;
                 window = daa_window(daa_plan[first_slot + index]);
             }
         }
+        let pixel = tile.xy * 8u + vec2u(index & 7u, index >> 3u);
+        let rank = entry - window.begin + 1u;
+        mean = daa_weighted(mean, daa_shade_sample(pixel, rank, daa_footprint(window.k), daa_centre(window.k)));
+        let slot = select(index, 64u + lane, window.begin < part_begin);
+        daa_sums[slot] = mean.sum;
+        daa_weights[slot] = mean.weight;
     }
     workgroupBarrier();
 
     let mine = daa_window(daa_plan[first_slot + lane]);
-    if mine.k < 2u {
-        return;
+    if mine.k > 1u {
+        var others = DaaMean(daa_sums[lane], daa_weights[lane]);
+        for (var i = mine.begin / part + 1u; i <= (mine.end - 1u) / part; i++) {
+            others = DaaMean(others.sum + daa_sums[64u + i], others.weight + daa_weights[64u + i]);
+        }
+        daa_store(tile.xy * 8u + vec2u(lane & 7u, lane >> 3u), others);
     }
-    let from_lane = mine.begin / part;
-    let to_lane = (mine.end - 1u) / part;
-    if from_lane == to_lane {
-        return;
-    }
-    var others = DaaMean();
-    for (var i = from_lane; i <= to_lane; i++) {
-        let slot = i * 2u + select(1u, 0u, mine.begin < i * part);
-        others = DaaMean(others.sum + daa_shared_sum[slot], others.weight + daa_shared_weight[slot]);
-    }
-    daa_store(tile.xy * 8u + vec2u(lane & 7u, lane >> 3u), others);
 }

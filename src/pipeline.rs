@@ -108,7 +108,8 @@ impl Build {
                 entry_point: Some(entry),
                 compilation_options: wgpu::PipelineCompilationOptions {
                     constants: &[("DAA_M", f64::from(self.m))],
-                    ..Default::default()
+                    // Only `plan` counts up from 0; what `shade` reads it has written.
+                    zero_initialize_workgroup_memory: !shades,
                 },
                 cache: None,
             })

@@ -122,6 +122,15 @@ impl Stats {
         })
     }
 
+    /// Time of a sample beyond the first over the time of a sample of `full`, both by the pass `shade`. `None` where there
+    /// are no such samples or no times.
+    pub fn beta(&self, full: &Self, pixels: u64) -> Option<f64> {
+        let extra = self.samples.shaded.checked_sub(pixels).filter(|&e| e > 0)?;
+        let of = |stats: &Self| Some(stats.time_ms.get("shade")?.median);
+        (self.technique != full.technique)
+            .then_some((of(self)? / extra as f64) / (of(full)? / full.samples.shaded as f64))
+    }
+
     /// Median milliseconds of the node's passes together, G-buffer left out.
     pub fn node_ms(&self) -> Option<f64> {
         self.time_ms.get("node").map(|s| s.median)

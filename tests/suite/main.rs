@@ -2,4 +2,5 @@
 //! to complain of.
 
 mod harness;
+mod textures;
 mod twin;

@@ -6,7 +6,7 @@ use crate::host::Shot;
 use crate::picture::{self, Panel, Picture};
 use crate::quality::{self, Quality};
 use crate::stats::Stats;
-use deferred_aa::{Settings, Technique};
+use deferred_aa::{Execution, Settings, Technique};
 
 /// See `deferred-aa-demo demo --help`.
 #[derive(Debug, clap::Args)]
@@ -21,8 +21,16 @@ pub struct Demo {
     frames: u32,
 }
 
-const TECHNIQUES: [(Technique, &str); 3] =
-    [(Technique::Single, "Single"), (Technique::Windowed, "Windowed"), (Technique::Full, "Full")];
+/// What is measured. The second execution of Windowed has a row of the table, not a picture of its own.
+const ENTRIES: [(Technique, Execution, &str); 4] = [
+    (Technique::Single, Execution::Tiled, "Single"),
+    (Technique::Windowed, Execution::Tiled, "Windowed"),
+    (Technique::Windowed, Execution::Loop, "  as Loop"),
+    (Technique::Full, Execution::Tiled, "Full"),
+];
+const SHOWN: [usize; 3] = [0, 1, 3];
+const WINDOWED: usize = 1;
+const FULL: usize = 3;
 
 /// Everything about one technique.
 struct Entry {
@@ -39,8 +47,8 @@ impl Demo {
         let (mut host, camera) = self.view.open()?;
         let out = &self.view.out;
         let mut entries = Vec::new();
-        for (technique, title) in TECHNIQUES {
-            let settings = Settings { technique, ..base };
+        for (technique, execution, title) in ENTRIES {
+            let settings = Settings { technique, execution, ..base };
             // The frame that warms up is the picture too: the same frame twice is the same bits.
             host.frame(&camera, settings)?;
             let (picture, counts) = (host.picture(), host.counts(technique));
@@ -53,43 +61,37 @@ impl Demo {
             }
         }
         let mask = host.edge_mask();
-        let reference = entries[2].picture.clone();
+        let reference = &entries[FULL].picture;
         let mut rows = Vec::new();
         for entry in &entries {
-            let quality = quality::compare(&entry.picture, &reference, Some(&mask))?;
-            if let Some(stats) = Stats::new(&host, entry.settings, &entry.shots, Some(quality.clone())) {
-                let name = entry.title.to_lowercase();
-                entry.picture.write_png(&out.join(format!("{name}.png")))?;
-                write_json(&out.join(format!("{name}.json")), &stats)?;
-                rows.push((entry, stats, quality));
-            }
+            let quality = quality::compare(&entry.picture, reference, Some(&mask))?;
+            rows.extend(Stats::new(&host, entry.settings, &entry.shots, Some(quality.clone())).map(|s| (entry, s, quality)));
         }
         let (width, height, n) = (host.options.width, host.options.height, host.options.m * host.options.m);
-        let map = picture::heat_map(&rows[1].0.counts, width, height, n)?;
+        let map = picture::heat_map(&entries[WINDOWED].counts, width, height, n)?;
         picture::write_png(&map, &out.join("samples.png"))?;
 
-        let images: Vec<_> = rows.iter().map(|(e, ..)| e.picture.to_image()).collect::<Result<_, _>>()?;
-        let captions: Vec<_> = rows.iter().map(|(_, stats, quality)| caption(stats, quality)).collect();
-        let mut panels: Vec<_> = rows
-            .iter()
-            .zip(&images)
-            .zip(&captions)
-            .map(|(((entry, ..), image), caption)| Panel { title: entry.title, caption, image, legend: None })
-            .collect();
+        let mut columns = Vec::new();
+        for (entry, stats, quality) in SHOWN.into_iter().filter_map(|i| rows.get(i)) {
+            let name = entry.title.to_lowercase();
+            entry.picture.write_png(&out.join(format!("{name}.png")))?;
+            entry.picture.write_exr(&out.join(format!("{name}.exr")))?;
+            write_json(&out.join(format!("{name}.json")), stats)?;
+            columns.push((entry.title, caption(stats, quality), entry.picture.to_image()?));
+        }
+        let mut panels: Vec<_> =
+            columns.iter().map(|(title, caption, image)| Panel { title, caption, image, legend: None }).collect();
         let map_caption = format!("samples a pixel, 1 to {n}");
         panels.push(Panel { title: "k of Windowed", caption: &map_caption, image: &map, legend: Some(n) });
-        let crops = picture::pick_crops(&rows[0].0.picture, &rows[2].0.picture, 4, 48)?;
-        let heading = format!(
-            "{}  {width}×{height}, m = {}, {}",
-            host.scene.name,
-            host.options.m,
-            host.gpu.adapter.get_info().name
-        );
+        let crops = picture::pick_crops(&entries[0].picture, reference, 4, 48)?;
+        let adapter = host.gpu.adapter.get_info().name;
+        let heading = format!("{}  {width}×{height}, m = {}, {adapter}", host.scene.name, host.options.m);
         let strip = out.join("strip.png");
         picture::write_png(&picture::strip(&heading, &panels, &crops)?, &strip)?;
 
         println!("{heading}");
-        print_table(&rows.iter().map(|(e, s, q)| (e.title, s, q)).collect::<Vec<_>>());
+        let rows: Vec<_> = rows.iter().map(|(e, s, q)| (e.title, s, q)).collect();
+        print_table(&rows, u64::from(width) * u64::from(height));
         println!("{}", strip.display());
         Ok(())
     }
@@ -113,11 +115,11 @@ fn decibels(quality: &Quality) -> String {
 }
 
 /// Median milliseconds by pass; on a software driver only their ratios count.
-fn print_table(rows: &[(&str, &Stats, &Quality)]) {
+fn print_table(rows: &[(&str, &Stats, &Quality)], pixels: u64) {
     const PASSES: [&str; 8] = ["gbuffer", "first", "metrics", "plan", "shade", "resolve", "node", "total"];
     print!("{:<10}{:>12}{:>8}{:>8}{:>11}", "", "samples", "k", "ratio", "PSNR");
     PASSES.iter().for_each(|p| print!("{p:>9}"));
-    println!();
+    println!("{:>7}", "β");
     for (title, stats, quality) in rows {
         let s = &stats.samples;
         print!("{title:<10}{:>12}{:>8.2}{:>7.1}%{:>11}", s.shaded, s.mean_k, s.ratio * 100.0, decibels(quality));
@@ -127,7 +129,11 @@ fn print_table(rows: &[(&str, &Stats, &Quality)]) {
                 None => print!("{:>9}", "-"),
             }
         }
-        println!();
+        match rows.last().and_then(|(_, full, _)| stats.beta(full, pixels)) {
+            Some(beta) => println!("{beta:>7.2}"),
+            None => println!("{:>7}", "-"),
+        }
     }
     println!("times: median milliseconds; node: the passes first to resolve; total: with the G-buffer");
+    println!("β: time of a sample beyond the first over that of a sample of Full");
 }
