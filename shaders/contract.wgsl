@@ -36,6 +36,8 @@ struct DaaFrame {
     identity_samples: f32,
     /// Tiles that want more than this many samples beyond the first fall back to k = 1.
     tile_limit: u32,
+    /// Texture footprint of a shaded sample over that of the samples that it stands for.
+    footprint: f32,
     /// What the debug view shows (`DebugView as u32`).
     view: u32,
     /// Rank → place in the window, x | y << 4, four to a vector.
@@ -51,6 +53,7 @@ const DAA_FLAG_LUMINANCE_CENTRE: u32 = 8u;
 const DAA_FLAG_WEIGHT_LUMINANCE: u32 = 16u;
 const DAA_FLAG_FULL: u32 = 32u;
 const DAA_FLAG_PLANNED: u32 = 64u;
+const DAA_FLAG_EDGE_AWARE_FIRST: u32 = 128u;
 
 /// One sample of the G-buffer, as `material`, `shade` and `sky` see it.
 struct DaaSample {
@@ -75,7 +78,7 @@ struct DaaSample {
     /// Unit tangent and the sign of the bitangent: B = w (N × T).
     tangent: vec4f,
     uv: vec2f,
-    /// The footprint that this sample stands for, along x: its own times √(n/k).
+    /// The footprint that this sample stands for, along x: about √(n/k) times its own.
     ddx: vec2f,
     /// Along y.
     ddy: vec2f,

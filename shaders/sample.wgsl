@@ -22,8 +22,7 @@ fn daa_relative_position(xy: vec2f, d: f32) -> vec3f {
     return p.xyz / p.w;
 }
 
-/// `footprint` scales the uv gradients: √(n/k) (Holländer et al. 2013, section 4.1, which leaves the formula out).
-/// `offset` moves the texture lookup along the surface, in samples.
+/// `footprint` scales the uv gradients; `offset` moves the texture lookup along the surface, in samples.
 fn daa_fetch(pixel: vec2u, rank: u32, footprint: f32, offset: vec2f) -> DaaSample {
     let at = pixel * DAA_M + daa_order(rank);
     let surface = textureLoad(daa_gbuffer_surface, at, 0).xy;

@@ -11,11 +11,6 @@ fn daa_weighted(mean: DaaMean, c: vec4f) -> DaaMean {
     return daa_mean_add(mean, c, daa_weight(c, by_luminance, daa_frame.exposure));
 }
 
-/// √(n/k): the footprint of a sample that stands for n/k of the window's.
-fn daa_footprint(k: u32) -> f32 {
-    return f32(DAA_M) / sqrt(f32(k));
-}
-
 /// The first sample joins the others.
 fn daa_store(pixel: vec2u, others: DaaMean) {
     let first = daa_weighted(DaaMean(), textureLoad(daa_first, pixel, 0));
@@ -31,7 +26,7 @@ fn daa_shade_full(@builtin(global_invocation_id) id: vec3u) {
     }
     var mean = DaaMean();
     for (var rank = 0u; rank < DAA_M * DAA_M; rank++) {
-        mean = daa_weighted(mean, daa_shade_sample(id.xy, rank, 1.0, vec2f(0.0)));
+        mean = daa_weighted(mean, daa_shade_sample(id.xy, rank, DAA_M * DAA_M));
     }
     textureStore(daa_color, id.xy, daa_mean_finish(mean));
 }
@@ -47,11 +42,9 @@ fn daa_shade_loop(
     if k < 2u {
         return;
     }
-    let footprint = daa_footprint(k);
-    let centre = daa_centre(k);
     var others = DaaMean();
     for (var rank = 1u; rank < k; rank++) {
-        others = daa_weighted(others, daa_shade_sample(id.xy, rank, footprint, centre));
+        others = daa_weighted(others, daa_shade_sample(id.xy, rank, k));
     }
     daa_store(id.xy, others);
 }
@@ -105,7 +98,7 @@ fn daa_shade_tiled(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocation
         }
         let pixel = tile.xy * 8u + vec2u(index & 7u, index >> 3u);
         let rank = entry - window.begin + 1u;
-        mean = daa_weighted(mean, daa_shade_sample(pixel, rank, daa_footprint(window.k), daa_centre(window.k)));
+        mean = daa_weighted(mean, daa_shade_sample(pixel, rank, window.k));
         let slot = select(index, 64u + lane, window.begin < part_begin);
         daa_sums[slot] = mean.sum;
         daa_weights[slot] = mean.weight;

@@ -56,7 +56,9 @@ pub(crate) struct FrameUniform {
     pub luminance_edge: f32,
     pub identity_samples: f32,
     pub tile_limit: u32,
+    pub footprint: f32,
     pub view: u32,
+    pub padding: [u32; 3],
     pub order: [[u32; 4]; 16],
     pub centres: [[f32; 4]; 32],
 }
@@ -70,6 +72,7 @@ pub(crate) mod flag {
     pub const WEIGHT_LUMINANCE: u32 = 16;
     pub const FULL: u32 = 32;
     pub const PLANNED: u32 = 64;
+    pub const EDGE_AWARE_FIRST: u32 = 128;
 }
 
 impl FrameUniform {
@@ -79,6 +82,8 @@ impl FrameUniform {
             return Err(RecordError::Exposure(frame.exposure));
         }
         let w = &frame.settings.windowed;
+        // Only a window with more samples to come may leave something to them.
+        let windowed = frame.settings.technique == Technique::Windowed;
         let flags = [
             (w.depth == DepthMeasure::Discontinuity, flag::DEPTH_PLANE),
             (w.two_sided, flag::TWO_SIDED),
@@ -86,7 +91,8 @@ impl FrameUniform {
             (w.luminance_centre, flag::LUMINANCE_CENTRE),
             (frame.settings.weight == Weight::Luminance, flag::WEIGHT_LUMINANCE),
             (frame.settings.technique == Technique::Full, flag::FULL),
-            (frame.settings.technique == Technique::Windowed, flag::PLANNED),
+            (windowed, flag::PLANNED),
+            (windowed && w.edge_aware_first, flag::EDGE_AWARE_FIRST),
         ];
         let mut order = [[0; 4]; 16];
         let mut centres = [[0.0; 4]; 32];
@@ -95,7 +101,7 @@ impl FrameUniform {
             order[rank / 4][rank % 4] = u32::from(x) | u32::from(y) << 4;
             for (axis, place) in [x, y].into_iter().enumerate() {
                 sum[axis] += f32::from(place);
-                if w.centred {
+                if windowed && w.centred {
                     centres[rank / 2][rank % 2 * 2 + axis] = (m - 1) as f32 * 0.5 - sum[axis] / (rank + 1) as f32;
                 }
             }
@@ -116,6 +122,8 @@ impl FrameUniform {
             luminance_edge: w.luminance_edge,
             identity_samples: w.identity_samples,
             tile_limit: w.tile_limit,
+            footprint: if windowed { w.footprint } else { 1.0 },
+            padding: [0; 3],
             view: frame.settings.view as u32,
             order,
             centres,

@@ -37,6 +37,8 @@ mod error;
 mod first;
 mod frame;
 pub mod gbuffer;
+#[cfg(test)]
+mod layouts;
 mod metrics;
 mod node;
 mod pipeline;

@@ -76,9 +76,15 @@ pub struct Windowed {
     /// Samples for a window with more than one material or object, 0 to 64. Higher: better edges between coplanar
     /// materials; 0: off. Not in the paper.
     pub identity_samples: f32,
+    /// The texture footprint of a shaded sample over that of the n/k samples that it stands for, 0 to 4; never less than a
+    /// sample's own. Higher: blurrier textures; lower: sharper ones, that shimmer below about ½. 1 is √(n/k), the paper's.
+    pub footprint: f32,
     /// The texture footprint of k samples is moved to the window's centre. The printed matrices put the first ones up to
     /// a quarter pixel off it. Not in the paper.
     pub centred: bool,
+    /// The first sample of a window with an edge in it is shaded with its own texture footprint, as one of many, and not as
+    /// if it stood for the whole pixel. Not in the paper.
+    pub edge_aware_first: bool,
     /// The most samples beyond the first that a tile of 8 × 8 pixels may ask for, up to 4032 = 64 · 63, where nothing is
     /// limited. A tile that asks for more falls back to k = 1 and is counted in the statistics. Lower: bounds the time
     /// of the worst tile.
@@ -187,7 +193,9 @@ impl Windowed {
         luminance: LuminanceCurve::Perceptual,
         luminance_centre: false,
         identity_samples: 0.0,
+        footprint: 1.0,
         centred: false,
+        edge_aware_first: false,
         tile_limit: Self::NO_TILE_LIMIT,
     };
 
@@ -199,16 +207,18 @@ impl Default for Windowed {
     fn default() -> Self {
         Self {
             depth: DepthMeasure::Discontinuity,
-            depth_scale: 2000.0,
-            normal_scale: 16.0,
+            depth_scale: 4000.0,
+            normal_scale: 24.0,
             two_sided: false,
-            luminance_scale: 60.0,
-            luminance_min: 0.02,
-            luminance_edge: 0.05,
+            luminance_scale: 77.0,
+            luminance_min: 0.01,
+            luminance_edge: 0.02,
             luminance: LuminanceCurve::Perceptual,
             luminance_centre: true,
             identity_samples: 0.0,
+            footprint: 0.6,
             centred: true,
+            edge_aware_first: true,
             tile_limit: Self::NO_TILE_LIMIT,
         }
     }
@@ -225,6 +235,7 @@ impl Settings {
             ("windowed.luminance_min", w.luminance_min, 1e6),
             ("windowed.luminance_edge", w.luminance_edge, 1.0),
             ("windowed.identity_samples", w.identity_samples, 64.0),
+            ("windowed.footprint", w.footprint, 4.0),
             ("windowed.tile_limit", w.tile_limit as f32, Windowed::NO_TILE_LIMIT as f32),
         ];
         for (field, value, most) in ranges {

@@ -1,0 +1,207 @@
+//! Rust and WGSL hold the same structs and numbers.
+
+mod compare;
+
+use crate::frame::{FrameUniform, flag};
+use crate::reference::metrics::By;
+use crate::statistics::Counters;
+use crate::table::{BINDING_FEATURES, MAX_CLASSES, TextureTier};
+use crate::wgsl::{HostSource, join_plain};
+use crate::{DebugView, TILE};
+use compare::{constant, parse, rust_layout, wgsl_layout};
+use wgpu::naga;
+
+const PLAIN: [(&str, &str); 4] = [
+    ("metrics", include_str!("../shaders/metrics.wgsl")),
+    ("plan", include_str!("../shaders/plan.wgsl")),
+    ("resolve", include_str!("../shaders/resolve.wgsl")),
+    ("view", include_str!("../shaders/view.wgsl")),
+];
+const SHADING: [(&str, &str); 2] =
+    [("first", include_str!("../shaders/first.wgsl")), ("shade", include_str!("../shaders/shade.wgsl"))];
+const TIERS: [TextureTier; 3] = [TextureTier::None, TextureTier::Arrays, TextureTier::Bindings];
+
+fn plain(pass: &str) -> naga::Module {
+    let (_, chunk) = PLAIN.iter().find(|(name, _)| *name == pass).expect("a pass");
+    parse(&join_plain(chunk))
+}
+
+/// Every module that the crate makes: the passes that only read the G-buffer, and those that shade, with each kind of
+/// hook on each tier.
+fn modules() -> Vec<(String, naga::Module)> {
+    let mut all: Vec<_> = PLAIN.iter().map(|&(name, _)| (name.to_owned(), plain(name))).collect();
+    let whole = "fn shade(s: DaaSample) -> vec4f { return vec4f(s.normal, 1.0); }";
+    let split = "fn material(s: DaaSample) -> DaaMaterial { return DaaMaterial(); }
+        fn light(f: DaaSurface, m: DaaMaterial) -> vec4f { return m.base_color * f.coverage; }
+        fn sky(s: DaaSample) -> vec4f { return vec4f(s.view, 1.0); }";
+    for tier in TIERS {
+        for source in [whole, split] {
+            let host = HostSource::check(source, "host", tier, BINDING_FEATURES).expect("a sound hook");
+            let joined = SHADING.map(|(name, pass)| (format!("{name} {tier:?}"), parse(&host.join(pass))));
+            all.extend(joined);
+        }
+    }
+    all
+}
+
+#[test]
+fn every_joined_module_is_sound_and_has_the_frame() {
+    let uniform = rust_layout!(FrameUniform {
+        relative_from_clip,
+        camera_position,
+        exposure,
+        camera_forward,
+        orthographic,
+        size,
+        tiles_x,
+        flags,
+        depth_scale,
+        normal_scale,
+        luminance_scale,
+        luminance_min,
+        luminance_edge,
+        identity_samples,
+        tile_limit,
+        view,
+        footprint,
+        padding,
+        order,
+        centres,
+    });
+    for (name, module) in modules() {
+        assert_eq!(wgsl_layout(&module, "DaaFrame"), uniform, "{name}");
+    }
+    let host_pack = format!("{}\n@fragment fn f(@location(0) n: vec3f) -> DaaGBuffer {{
+        var f: DaaFragment; f.normal = n; return daa_pack(f); }}", crate::gbuffer::PACK_WGSL);
+    parse(&host_pack);
+}
+
+#[test]
+fn counters_are_the_shaders() {
+    let counters = rust_layout!(Counters { histogram, not_finite, negative, overflowed_tiles, decided });
+    for (name, module) in modules() {
+        assert_eq!(wgsl_layout(&module, "DaaStatistics"), counters, "{name}");
+    }
+}
+
+#[test]
+fn flags_are_the_shaders() {
+    let module = plain("metrics");
+    let flags = [
+        ("DEPTH_PLANE", flag::DEPTH_PLANE),
+        ("TWO_SIDED", flag::TWO_SIDED),
+        ("LUMINANCE_PERCEPTUAL", flag::LUMINANCE_PERCEPTUAL),
+        ("LUMINANCE_CENTRE", flag::LUMINANCE_CENTRE),
+        ("WEIGHT_LUMINANCE", flag::WEIGHT_LUMINANCE),
+        ("FULL", flag::FULL),
+        ("PLANNED", flag::PLANNED),
+        ("EDGE_AWARE_FIRST", flag::EDGE_AWARE_FIRST),
+    ];
+    for (name, value) in flags {
+        assert_eq!(constant(&module, &format!("DAA_FLAG_{name}")), value, "{name}");
+    }
+    let named = module.constants.iter().filter(|(_, c)| c.name.as_deref().is_some_and(|n| n.starts_with("DAA_FLAG_")));
+    assert_eq!(named.count(), flags.len(), "a flag that Rust does not have");
+    let bits = flags.iter().fold(0, |all, &(_, bit)| all | bit);
+    assert_eq!(bits.count_ones(), flags.len() as u32, "a bit of its own for each");
+}
+
+#[test]
+fn deciding_metrics_are_the_shaders() {
+    let module = plain("metrics");
+    let all = [
+        ("NOTHING", By::Nothing),
+        ("DEPTH", By::Depth),
+        ("NORMAL", By::Normal),
+        ("LUMINANCE", By::Luminance),
+        ("IDENTITY", By::Identity),
+    ];
+    for (name, by) in all {
+        assert_eq!(constant(&module, &format!("DAA_BY_{name}")), by as u32, "{name}");
+    }
+    let named = module.constants.iter().filter(|(_, c)| c.name.as_deref().is_some_and(|n| n.starts_with("DAA_BY_")));
+    assert_eq!(named.count(), all.len());
+    assert_eq!(size_of_val(&Counters { decided: [0; 5], ..bytemuck::Zeroable::zeroed() }.decided) / 4, all.len());
+}
+
+/// `case 5u: { … } // Normal`: the comment is the variant, so that a case moved alone shows.
+#[test]
+fn debug_views_are_the_shaders_cases() {
+    let text = PLAIN[3].1;
+    let mut named = Vec::new();
+    for line in text.lines() {
+        if let Some((number, rest)) = line.trim().strip_prefix("case ").and_then(|l| l.split_once("u:")) {
+            let comment = rest.rsplit("// ").next().expect("a comment");
+            let name = comment.split(|c: char| !c.is_alphanumeric()).next().unwrap_or_default();
+            named.push((number.parse::<u32>().expect("a number"), name.to_owned()));
+        }
+    }
+    let views = DebugView::ALL.map(|view| (view as u32, format!("{view:?}")));
+    // The image itself is resolve's.
+    assert_eq!(named, views[1..]);
+    assert!(views.iter().map(|v| v.0).eq(0..views.len() as u32), "ALL is in order");
+}
+
+#[test]
+fn tiles_are_the_shaders() {
+    let tile = [TILE, TILE, 1];
+    let flat = [TILE * TILE, 1, 1];
+    let expected = [
+        ("daa_first_main", tile),
+        ("daa_metrics_main", tile),
+        ("daa_plan_main", flat),
+        ("daa_shade_full", tile),
+        ("daa_shade_loop", tile),
+        ("daa_shade_tiled", flat),
+    ];
+    let mut seen = 0;
+    for (name, module) in modules() {
+        for entry in module.entry_points.iter().filter(|e| e.stage == naga::ShaderStage::Compute) {
+            let found = expected.iter().find(|(entry_point, _)| *entry_point == entry.name);
+            assert_eq!(found.map(|f| f.1), Some(entry.workgroup_size), "{name}: {}", entry.name);
+            seen |= 1 << expected.iter().position(|e| e.0 == entry.name).expect("found above");
+        }
+    }
+    assert_eq!(seen, (1 << expected.len()) - 1, "an entry point is gone");
+    // The literals that follow from TILE = 8: a shift by 3, a mask of 7, 64 windows, and 64 · 63 samples beyond the first.
+    assert_eq!(TILE, 1 << 3);
+    assert_eq!(crate::Windowed::NO_TILE_LIMIT, TILE * TILE * (crate::window::MAX_M.pow(2) - 1));
+}
+
+#[test]
+fn table_bindings_are_the_layouts() {
+    let host = HostSource::check(
+        "fn shade(s: DaaSample) -> vec4f { return daa_texture(s.material, s.uv, s.ddx, s.ddy); }",
+        "host",
+        TextureTier::Arrays,
+        wgpu::Features::empty(),
+    );
+    let module = parse(&host.expect("a sound hook").join(SHADING[0].1));
+    let mut bound: Vec<_> = module
+        .global_variables
+        .iter()
+        .filter_map(|(_, v)| Some((v.binding?, v.name.clone()?)))
+        .filter_map(|(b, name)| (b.group == 1).then_some((b.binding, name)))
+        .collect();
+    bound.sort();
+    let mut expected = vec![(0, "daa_texture_slots".to_owned())];
+    expected.extend((0..MAX_CLASSES as u32).map(|i| (1 + i, format!("daa_texture_{i}"))));
+    expected.extend((0..MAX_CLASSES as u32).map(|i| (1 + MAX_CLASSES as u32 + i, format!("daa_sampler_{i}"))));
+    assert_eq!(bound, expected);
+    // A case for each class but the first, which is the default, each with its own texture and sampler.
+    let text = include_str!("../shaders/table_arrays.wgsl");
+    for i in 1..MAX_CLASSES {
+        let case = format!("case {i}u: {{ return textureSampleGrad(daa_texture_{i}, daa_sampler_{i}, ");
+        assert!(text.contains(&case), "{case}");
+    }
+    assert_eq!(text.matches("case ").count(), MAX_CLASSES - 1);
+    assert!(text.contains("default: { return textureSampleGrad(daa_texture_0, daa_sampler_0, "));
+}
+
+#[test]
+fn a_host_has_the_group_that_the_contract_says() {
+    for (name, module) in modules() {
+        let groups = module.global_variables.iter().filter_map(|(_, v)| Some(v.binding?.group));
+        assert!(groups.into_iter().all(|g| g != crate::HOST_GROUP), "{name} binds in the host's group");
+    }
+}
