@@ -13,7 +13,9 @@ pub enum BuildError {
     #[error("the device lacks {}; request Requirements::features and ::limits with it, or choose another tier", .0.join(", "))]
     Missing(Vec<String>),
     /// The target's format can't be rendered to as floating point colour.
-    #[error("target format {0:?} can't hold a colour image; choose a renderable float or normalised format, such as Rgba8UnormSrgb or Rgba16Float")]
+    #[error(
+        "target format {0:?} can't hold a colour image; choose a renderable float or normalised format, such as Rgba8UnormSrgb or Rgba16Float"
+    )]
     TargetFormat(wgpu::TextureFormat),
     /// The host's WGSL is wrong.
     #[error(transparent)]
@@ -48,7 +50,8 @@ pub enum SizeError {
     /// The G-buffer does not fit the device's limits.
     #[error(
         "{width}×{height} at m = {m} needs a G-buffer {}×{}, the device allows {limit} a side; lower m or the size, \
-         or request a greater max_texture_dimension_2d", .width * .m, .height * .m
+         or request a greater max_texture_dimension_2d",
+        u64::from(*.width) * u64::from(*.m), u64::from(*.height) * u64::from(*.m)
     )]
     TooLarge {
         /// Pixels.
@@ -61,7 +64,9 @@ pub enum SizeError {
         limit: u32,
     },
     /// A buffer of one word a pixel does not fit the device's limits.
-    #[error("{width}×{height} needs a buffer of {bytes} bytes, the device binds {limit}; request a greater max_storage_buffer_binding_size")]
+    #[error(
+        "{width}×{height} needs a buffer of {bytes} bytes, the device binds {limit}; request a greater max_storage_buffer_binding_size"
+    )]
     Buffer {
         /// Pixels.
         width: u32,
@@ -73,7 +78,9 @@ pub enum SizeError {
         limit: u64,
     },
     /// The device is out of memory.
-    #[error("the device has no memory for {bytes} bytes of {width}×{height} at m = {m}: {message}; lower m or the size")]
+    #[error(
+        "the device has no memory for {bytes} bytes of {width}×{height} at m = {m}: {message}; lower m or the size"
+    )]
     OutOfMemory {
         /// Pixels.
         width: u32,
@@ -99,13 +106,15 @@ pub enum RecordError {
     #[error(transparent)]
     Settings(#[from] SettingsError),
     /// The camera can't be inverted.
-    #[error("the camera's {0} is singular or not finite; give it a size above 0 and a near plane above 0")]
+    #[error("the camera's {0} is singular or not finite; {mend}", mend = camera_mend(.0))]
     Camera(&'static str),
     /// Exposure is not a positive number.
     #[error("exposure is {0}; it is a finite factor above 0, 1 if the host has none")]
     Exposure(f32),
     /// The target is of another size than the node.
-    #[error("the target is {target_width}×{target_height}, the node {width}×{height}; call resize with the target's size")]
+    #[error(
+        "the target is {target_width}×{target_height}, the node {width}×{height}; call resize with the target's size"
+    )]
     TargetSize {
         /// Of the target.
         target_width: u32,
@@ -117,7 +126,9 @@ pub enum RecordError {
         height: u32,
     },
     /// The target is of another format than the descriptor's.
-    #[error("the target is {target:?}, the node writes {node:?}; build the node with Descriptor::target_format = {target:?}")]
+    #[error(
+        "the target is {target:?}, the node writes {node:?}; build the node with Descriptor::target_format = {target:?}"
+    )]
     TargetFormat {
         /// Of the target.
         target: wgpu::TextureFormat,
@@ -131,11 +142,20 @@ pub enum RecordError {
     #[error("the host's WGSL was built with a bind group layout, the frame has no host_bind_group; set it")]
     HostBindGroup,
     /// The descriptor has a texture tier, the frame has no table.
-    #[error("the node was built with a texture tier, the frame has no table; set Frame::textures, an empty table if there are none")]
+    #[error(
+        "the node was built with a texture tier, the frame has no table; set Frame::textures, an empty table if there are none"
+    )]
     Textures,
     /// A pipeline was refused.
     #[error(transparent)]
     Pipeline(#[from] PipelineError),
+}
+
+fn camera_mend(part: &str) -> &'static str {
+    match part {
+        "view" => "world_from_view is a rotation and a translation",
+        _ => "give it a size above 0 and a near plane above 0",
+    }
 }
 
 /// A setting is out of its range.
@@ -236,11 +256,11 @@ pub enum ShadingErrorKind {
     /// A name of the crate's.
     #[error("`{0}` is a name of deferred-aa's; names that begin with daa_, Daa or DAA_ are reserved, rename it")]
     ReservedName(String),
-    /// A name that the crate's own chunks use.
-    #[error("`{0}` clashes with a name of deferred-aa's; rename it")]
+    /// A built-in name of WGSL that the crate's own chunks use, declared anew.
+    #[error("`{0}` is a built-in of WGSL that deferred-aa's own code uses; rename this one")]
     Clash(String),
     /// A binding outside of the host's group.
-    #[error("`{name}` is bound to @group({group}); the host's group is @group({})", crate::HOST_GROUP)]
+    #[error("`{name}` is bound to @group({group}); the host has @group({}) alone, bind it there", crate::HOST_GROUP)]
     Group {
         /// The variable.
         name: String,

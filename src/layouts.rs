@@ -6,7 +6,7 @@ use crate::frame::{FrameUniform, flag};
 use crate::reference::metrics::By;
 use crate::statistics::Counters;
 use crate::table::{BINDING_FEATURES, MAX_CLASSES, TextureTier};
-use crate::wgsl::{HostSource, join_plain};
+use crate::wgsl::{BUILTINS, HostSource, join_plain, tokens};
 use crate::{DebugView, TILE};
 use compare::{constant, parse, rust_layout, wgsl_layout};
 use wgpu::naga;
@@ -71,8 +71,11 @@ fn every_joined_module_is_sound_and_has_the_frame() {
     for (name, module) in modules() {
         assert_eq!(wgsl_layout(&module, "DaaFrame"), uniform, "{name}");
     }
-    let host_pack = format!("{}\n@fragment fn f(@location(0) n: vec3f) -> DaaGBuffer {{
-        var f: DaaFragment; f.normal = n; return daa_pack(f); }}", crate::gbuffer::PACK_WGSL);
+    let host_pack = format!(
+        "{}\n@fragment fn f(@location(0) n: vec3f) -> DaaGBuffer {{
+        var f: DaaFragment; f.normal = n; return daa_pack(f); }}",
+        crate::gbuffer::PACK_WGSL
+    );
     parse(&host_pack);
 }
 
@@ -204,4 +207,41 @@ fn a_host_has_the_group_that_the_contract_says() {
         let groups = module.global_variables.iter().filter_map(|(_, v)| Some(v.binding?.group));
         assert!(groups.into_iter().all(|g| g != crate::HOST_GROUP), "{name} binds in the host's group");
     }
+}
+
+/// What a host must not declare anew: whatever the shaders call that is not theirs, and the types that they use.
+#[test]
+fn builtins_are_what_the_shaders_use() {
+    let all = [
+        include_str!("../shaders/contract.wgsl"),
+        include_str!("../shaders/octahedral.wgsl"),
+        include_str!("../shaders/sample.wgsl"),
+        include_str!("../shaders/mean.wgsl"),
+        include_str!("../shaders/statistics.wgsl"),
+        include_str!("../shaders/evaluate.wgsl"),
+        include_str!("../shaders/table_arrays.wgsl"),
+        include_str!("../shaders/table_bindings.wgsl"),
+    ];
+    const OTHER: [&str; 10] =
+        ["binding", "builtin", "for", "group", "if", "location", "return", "switch", "while", "workgroup_size"];
+    // Used without a bracket after them.
+    const TYPES: [&str; 9] = ["array", "atomic", "binding_array", "bitcast", "bool", "f32", "i32", "sampler", "u32"];
+    let mut used = std::collections::BTreeSet::new();
+    for text in all.into_iter().chain(PLAIN.map(|p| p.1)).chain(SHADING.map(|p| p.1)) {
+        let tokens = tokens(text);
+        for (i, &(_, token)) in tokens.iter().enumerate() {
+            let called = tokens.get(i + 1).is_some_and(|next| next.1 == "(");
+            let own = token.starts_with("daa_") || token.starts_with("Daa") || token.starts_with("DAA_");
+            let word = token.starts_with(|c: char| c.is_alphabetic());
+            let shape = ["vec", "mat", "texture_"].iter().any(|p| token.starts_with(p))
+                && !called
+                && token.contains(char::is_numeric);
+            if word && !own && !OTHER.contains(&token) && (called || shape || TYPES.contains(&token)) {
+                used.insert(token);
+            }
+        }
+    }
+    let listed: std::collections::BTreeSet<_> = BUILTINS.iter().copied().collect();
+    assert_eq!(used.difference(&listed).collect::<Vec<_>>(), Vec::<&&str>::new(), "to be added to wgsl::BUILTINS");
+    assert_eq!(listed.difference(&used).collect::<Vec<_>>(), Vec::<&&str>::new(), "no longer used");
 }

@@ -5,11 +5,8 @@ use crate::pipeline::{Build, Lazy, PassInfo, Resource, entry};
 use crate::scratch::Scratch;
 use crate::wgsl;
 
-pub(crate) const INFO: PassInfo = PassInfo {
-    name: "metrics",
-    reads: &[Resource::GBuffer, Resource::First],
-    writes: &[Resource::Counts],
-};
+pub(crate) const INFO: PassInfo =
+    PassInfo { name: "metrics", reads: &[Resource::GBuffer, Resource::First], writes: &[Resource::Counts] };
 
 #[derive(Debug)]
 pub(crate) struct Metrics {

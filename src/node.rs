@@ -109,7 +109,7 @@ impl Intermediates<'_> {
     }
 }
 
-/// A pass of the frame, in the order in which [`Recording::passes`] yields it.
+/// A pass of the frame, in the order in which [`DeferredAa::passes`] yields it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Pass {
     /// What it is called, reads and writes.
@@ -125,7 +125,7 @@ enum Step {
     Plan,
     Shade(Variant),
     Resolve(Source),
-    View,
+    View { first: bool, planned: bool },
 }
 
 /// Uniform slots: as many frames may be recorded between two submits.
@@ -147,7 +147,10 @@ fn order(settings: &Settings) -> [Option<Step>; MAX_PASSES] {
         planned.then_some(Step::Metrics),
         planned.then_some(Step::Plan),
         shade.map(Step::Shade),
-        Some(if settings.view == DebugView::Image { Step::Resolve(source) } else { Step::View }),
+        Some(match settings.view {
+            DebugView::Image => Step::Resolve(source),
+            _ => Step::View { first, planned },
+        }),
     ]
 }
 
@@ -160,7 +163,7 @@ impl Step {
             Self::Shade(Variant::Full) => shade::INFO_FULL,
             Self::Shade(_) => shade::INFO,
             Self::Resolve(source) => source.info(),
-            Self::View => view::INFO,
+            Self::View { first, planned } => view::info(first, planned),
         }
     }
 }
@@ -327,7 +330,7 @@ impl DeferredAa {
                 Step::Plan => drop(self.plan.pipeline(&self.build)?),
                 Step::Shade(variant) => drop(self.shade.pipeline(&self.build, variant)?),
                 Step::Resolve(source) => drop(self.resolve.pipeline(&self.build, source)?),
-                Step::View => drop(self.view.pipeline(&self.build)?),
+                Step::View { .. } => drop(self.view.pipeline(&self.build)?),
             }
         }
         Ok(())
@@ -430,7 +433,7 @@ impl Recording<'_> {
                 let pipeline = aa.resolve.pipeline(&aa.build, source).ok();
                 return self.fullscreen(encoder, pass, pipeline, (&sized.frame, &sized.resolve), timestamps);
             }
-            Step::View => {
+            Step::View { .. } => {
                 let pipeline = aa.view.pipeline(&aa.build).ok();
                 return self.fullscreen(encoder, pass, pipeline, (&sized.frame, &sized.view), timestamps);
             }
@@ -513,7 +516,8 @@ fn check_size(size: [u32; 2], m: u32, limits: &wgpu::Limits) -> Result<(), SizeE
     if size.iter().any(|side| side.checked_mul(m).is_none_or(|samples| samples > limit)) {
         return Err(SizeError::TooLarge { width, height, m, limit });
     }
-    let (bytes, limit) = (scratch::plan_bytes(size), limits.max_storage_buffer_binding_size.min(limits.max_buffer_size));
+    let (bytes, limit) =
+        (scratch::plan_bytes(size), limits.max_storage_buffer_binding_size.min(limits.max_buffer_size));
     if bytes > limit {
         return Err(SizeError::Buffer { width, height, bytes, limit });
     }

@@ -75,7 +75,9 @@ fn features(descriptor: &Descriptor<'_>) -> (wgpu::Features, wgpu::Features) {
 fn limits(descriptor: &Descriptor<'_>) -> wgpu::Limits {
     let mut limits = wgpu::Limits::default();
     if descriptor.textures == TextureTier::Bindings {
-        limits.max_binding_array_elements_per_shader_stage = descriptor.texture_capacity;
+        // wgpu counts the samplers' places among all elements too.
+        limits.max_binding_array_elements_per_shader_stage =
+            descriptor.texture_capacity.saturating_add(MAX_SAMPLERS as u32);
         limits.max_binding_array_sampler_elements_per_shader_stage = MAX_SAMPLERS as u32;
     }
     limits

@@ -11,8 +11,11 @@ pub(crate) const INFO: PassInfo = PassInfo {
 };
 
 /// For `Full`, which has neither first samples nor a plan.
-pub(crate) const INFO_FULL: PassInfo =
-    PassInfo { name: "shade", reads: &[Resource::GBuffer, Resource::Host], writes: &[Resource::Color, Resource::Statistics] };
+pub(crate) const INFO_FULL: PassInfo = PassInfo {
+    name: "shade",
+    reads: &[Resource::GBuffer, Resource::Host],
+    writes: &[Resource::Color, Resource::Statistics],
+};
 
 /// The ways to run it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

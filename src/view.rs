@@ -5,11 +5,17 @@ use crate::pipeline::{Build, Lazy, PassInfo, Resource, entry};
 use crate::scratch::Scratch;
 use crate::wgsl;
 
-pub(crate) const INFO: PassInfo = PassInfo {
-    name: "view",
-    reads: &[Resource::GBuffer, Resource::First, Resource::Plan],
-    writes: &[Resource::Target],
-};
+pub(crate) const NAME: &str = "view";
+
+/// It reads the first samples and the plan of frames that have them.
+pub(crate) const fn info(first: bool, planned: bool) -> PassInfo {
+    let reads: &[Resource] = match (first, planned) {
+        (_, true) => &[Resource::GBuffer, Resource::First, Resource::Plan],
+        (true, false) => &[Resource::GBuffer, Resource::First],
+        (false, false) => &[Resource::GBuffer],
+    };
+    PassInfo { name: NAME, reads, writes: &[Resource::Target] }
+}
 
 #[derive(Debug)]
 pub(crate) struct View {
@@ -42,7 +48,7 @@ impl View {
         self.pipeline.get(|| {
             let text = wgsl::join_plain(include_str!("../shaders/view.wgsl"));
             let entries = ["daa_view_vertex", "daa_view_fragment"];
-            build.fullscreen(INFO.name, text, entries, &self.layout, &[("DAA_M", f64::from(build.m))])
+            build.fullscreen(NAME, text, entries, &self.layout, &[("DAA_M", f64::from(build.m))])
         })
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::error::{ShadingError, ShadingErrorKind};
 use crate::table::TextureTier;
-use std::error::Error as _;
+use naga::common::wgsl::TypeContext as _;
 use std::fmt::Write as _;
 use std::ops::Range;
 
@@ -52,47 +52,48 @@ const SKY: (&str, &str) = ("sky", "fn sky(s: DaaSample) -> vec4f");
 
 impl HostSource {
     /// Parses and validates the host's source joined with the contract, on the capabilities of the device.
-    pub fn check(
-        source: &str,
-        file: &str,
-        tier: TextureTier,
-        features: wgpu::Features,
-    ) -> Result<Self, ShadingError> {
+    pub fn check(source: &str, file: &str, tier: TextureTier, features: wgpu::Features) -> Result<Self, ShadingError> {
         let contract = [chunk::CONTRACT, chunk::OCTAHEDRAL, table_chunk(tier)];
         let joined = Joined::new(directives(tier), source, &contract);
         let at = |range: Option<Range<usize>>, kind| joined.error(file, range, kind);
 
-        let module = naga::front::wgsl::parse_str(&joined.text).map_err(|e| joined.parse_error(file, &e))?;
-        for (name, range) in joined.declared(&module) {
+        // Before the parser, which would take a name of the crate's, or one that its code relies on, without a word or
+        // complain about the crate's own text.
+        for (name, range) in joined.declared() {
             if ["daa_", "Daa", "DAA_"].iter().any(|prefix| name.starts_with(prefix)) {
-                return Err(at(Some(range), ShadingErrorKind::ReservedName(name)));
+                return Err(at(Some(range), ShadingErrorKind::ReservedName(name.to_owned())));
+            }
+            if BUILTINS.contains(&name) {
+                return Err(at(Some(range), ShadingErrorKind::Clash(name.to_owned())));
             }
         }
-        for (handle, variable) in module.global_variables.iter() {
-            let range = module.global_variables.get_span(handle).to_range();
-            if let (Some(binding), true) = (&variable.binding, joined.in_host(range.as_ref()))
+        let module = naga::front::wgsl::parse_str(&joined.text).map_err(|e| joined.parse_error(file, tier, &e))?;
+        if let (Some(range), false) = (joined.enables("f16"), features.contains(wgpu::Features::SHADER_F16)) {
+            let what = "`f16` needs a device with Features::SHADER_F16; request it, or use f32".to_owned();
+            return Err(at(Some(range), ShadingErrorKind::Wgsl(what)));
+        }
+        for (_, variable) in module.global_variables.iter() {
+            let name = variable.name.clone().unwrap_or_default();
+            if let (Some(range), Some(binding)) = (joined.declaration(&name), &variable.binding)
                 && binding.group != crate::HOST_GROUP
             {
-                let name = variable.name.clone().unwrap_or_default();
-                return Err(at(range, ShadingErrorKind::Group { name, group: binding.group }));
+                return Err(at(Some(range), ShadingErrorKind::Group { name, group: binding.group }));
             }
         }
         if let Some(entry) = module.entry_points.first() {
-            let range = joined.find(&format!("fn {}", entry.name));
+            let range = joined.declaration(&entry.name);
             return Err(at(range, ShadingErrorKind::EntryPoint(entry.name.clone())));
         }
         let split = joined.hook(file, &module)?;
         let sky = joined.signature(file, &module, SKY, &["DaaSample"], None)?;
 
-        let capabilities =
-            wgpu_naga_bridge::features_to_naga_capabilities(features, wgpu::DownlevelFlags::all());
+        let capabilities = wgpu_naga_bridge::features_to_naga_capabilities(features, wgpu::DownlevelFlags::all());
         let mut validator = naga::valid::Validator::new(naga::valid::ValidationFlags::all(), capabilities);
-        let info = validator.validate(&module).map_err(|e| joined.validation_error(file, &e))?;
+        let info = validator.validate(&module).map_err(|e| joined.validation_error(file, &module, &e))?;
         for (handle, function) in module.functions.iter() {
-            let range = module.functions.get_span(handle).to_range();
-            if joined.in_host(range.as_ref()) && !info[handle].available_stages.contains(naga::valid::ShaderStages::COMPUTE)
-            {
-                let name = function.name.as_deref().unwrap_or("a function");
+            let name = function.name.as_deref().unwrap_or_default();
+            let range = joined.declaration(name);
+            if range.is_some() && !info[handle].available_stages.contains(naga::valid::ShaderStages::COMPUTE) {
                 let what = format!("`{name}` takes a derivative or samples with an implicit one");
                 return Err(at(range, ShadingErrorKind::Derivative(what)));
             }
@@ -164,15 +165,10 @@ impl Joined {
         range.is_some_and(|r| self.host.contains(&r.start))
     }
 
-    fn find(&self, what: &str) -> Option<Range<usize>> {
-        let at = self.host.start + self.text[self.host.clone()].find(what)?;
-        Some(at..at + what.len())
-    }
-
     /// An error at a place of the joined text, told in lines and columns of the host's file.
     fn error(&self, file: &str, range: Option<Range<usize>>, kind: ShadingErrorKind) -> ShadingError {
         let (mut line, mut column) = (0, 0);
-        if let Some(range) = range.filter(|r| self.host.contains(&r.start)) {
+        if let Some(range) = range.filter(|r| (self.host.start..=self.host.end).contains(&r.start)) {
             let before = &self.text[self.host.start..range.start];
             line = before.matches('\n').count() as u32 + 1;
             column = before.chars().rev().take_while(|&c| c != '\n').count() as u32 + 1;
@@ -180,61 +176,70 @@ impl Joined {
         ShadingError { file: file.to_owned(), line, column, kind }
     }
 
-    fn parse_error(&self, file: &str, e: &naga::front::wgsl::ParseError) -> ShadingError {
-        let ranges: Vec<_> = e.labels().filter_map(|(span, label)| Some((span.to_range()?, label))).collect();
-        let message = one_line(e.message());
-        let host = ranges.iter().find(|(r, _)| self.in_host(Some(r)));
-        if let Some(name) = message.strip_prefix("redefinition of `").and_then(|m| m.strip_suffix('`'))
-            && ranges.iter().any(|(r, _)| !self.in_host(Some(r)))
-        {
-            return self.error(file, host.map(|(r, _)| r.clone()), ShadingErrorKind::Clash(name.to_owned()));
+    fn parse_error(&self, file: &str, tier: TextureTier, e: &naga::front::wgsl::ParseError) -> ShadingError {
+        let mut message = one_line(e.message());
+        if tier == TextureTier::None && message.ends_with("`daa_texture`") {
+            message += ", which TextureTier::None does not have; set Descriptor::textures to another tier";
         }
-        match host {
-            Some((range, _)) => {
-                let notes: String = e.notes().map(|n| format!("; {}", one_line(n))).collect();
-                self.error(file, Some(range.clone()), ShadingErrorKind::Wgsl(message + &notes))
+        let host = e.labels().filter_map(|(span, _)| span.to_range()).find(|r| self.in_host(Some(r)));
+        if let Some(range) = host {
+            let notes: String = e.notes().map(|n| format!("; {}", one_line(n))).collect();
+            return self.error(file, Some(range), ShadingErrorKind::Wgsl(message + &notes));
+        }
+        // The parser ran on into the crate's text: something is left open in the host's.
+        let host = &self.text[self.host.clone()];
+        match unclosed(host) {
+            Some(at) => {
+                let what = format!("this `{}` is not closed before the end of the source", &host[at..=at]);
+                self.error(file, Some(self.host.start + at..self.host.end), ShadingErrorKind::Wgsl(what))
             }
-            // The parser ran on into the crate's text: something is left open at the end of the host's.
             None => {
-                let end = self.host.end.saturating_sub(1)..self.host.end;
-                let what = format!("the source ends inside a declaration, is a brace or a semicolon missing? ({message})");
-                self.error(file, Some(end), ShadingErrorKind::Wgsl(what))
+                let end = self.host.start + host.trim_end().len();
+                let what = "the source ends inside a declaration; is a semicolon missing?".to_owned();
+                self.error(file, Some(end..self.host.end), ShadingErrorKind::Wgsl(what))
             }
         }
     }
 
-    fn validation_error(&self, file: &str, e: &naga::WithSpan<naga::valid::ValidationError>) -> ShadingError {
-        let mut message = one_line(&e.as_inner().to_string());
-        let mut source = e.as_inner().source();
-        while let Some(inner) = source {
-            let _ = write!(message, ": {}", one_line(&inner.to_string()));
-            source = inner.source();
-        }
-        // The narrowest span says most.
-        let range = e
+    fn validation_error(
+        &self,
+        file: &str,
+        module: &naga::Module,
+        e: &naga::WithSpan<naga::valid::ValidationError>,
+    ) -> ShadingError {
+        let message = explain(module, e.as_inner());
+        // The narrowest span says most; without one, a name that the message quotes.
+        let narrowest = e
             .spans()
             .filter_map(|(span, _)| span.to_range())
             .filter(|r| self.in_host(Some(r)))
             .min_by_key(ExactSizeIterator::len);
+        let quoted = message.split('`').nth(1).unwrap_or_default();
+        let host = tokens(&self.text[self.host.clone()]);
+        let range = narrowest.or_else(|| {
+            let (at, word) = host.into_iter().find(|&(_, token)| token == quoted)?;
+            Some(self.host.start + at..self.host.start + at + word.len())
+        });
         self.error(file, range, ShadingErrorKind::Wgsl(message))
     }
 
-    /// All names that the host declares at module scope.
-    fn declared(&self, module: &naga::Module) -> Vec<(String, Range<usize>)> {
-        let functions = module.functions.iter().map(|(h, f)| (f.name.clone(), module.functions.get_span(h)));
-        let types = module.types.iter().map(|(h, t)| (t.name.clone(), module.types.get_span(h)));
-        let constants = module.constants.iter().map(|(h, c)| (c.name.clone(), module.constants.get_span(h)));
-        let overrides = module.overrides.iter().map(|(h, o)| (o.name.clone(), module.overrides.get_span(h)));
-        let variables =
-            module.global_variables.iter().map(|(h, v)| (v.name.clone(), module.global_variables.get_span(h)));
-        functions
-            .chain(types)
-            .chain(constants)
-            .chain(overrides)
-            .chain(variables)
-            .filter_map(|(name, span)| Some((name?, span.to_range()?)))
-            .filter(|(_, range)| self.in_host(Some(range)))
-            .collect()
+    /// The names that the host declares at module scope, and where.
+    fn declared(&self) -> Vec<(&str, Range<usize>)> {
+        let place = |(at, name): (usize, _)| (name, self.host.start + at..self.host.start + at + str::len(name));
+        declarations(&self.text[self.host.clone()]).into_iter().map(place).collect()
+    }
+
+    /// Where the host enables an extension.
+    fn enables(&self, extension: &str) -> Option<Range<usize>> {
+        let tokens = tokens(&self.text[self.host.clone()]);
+        let enabled = tokens.iter().zip(tokens.iter().skip(1)).find(|(a, b)| a.1 == "enable" && b.1 == extension);
+        let at = self.host.start + enabled?.1.0;
+        Some(at..at + extension.len())
+    }
+
+    /// Where the host declares a name.
+    fn declaration(&self, name: &str) -> Option<Range<usize>> {
+        self.declared().into_iter().find(|(declared, _)| *declared == name).map(|(_, range)| range)
     }
 
     /// Which hook the host wrote: true for `material` and `light`, false for `shade`.
@@ -242,7 +247,7 @@ impl Joined {
         let shade = self.signature(file, module, SHADE, &["DaaSample"], None)?;
         let material = self.signature(file, module, MATERIAL, &["DaaSample"], Some("DaaMaterial"))?;
         let light = self.signature(file, module, LIGHT, &["DaaSurface", "DaaMaterial"], None)?;
-        let wrong = |name: &str, kind| self.error(file, self.find(&format!("fn {name}")), kind);
+        let wrong = |name: &str, kind| self.error(file, self.declaration(name), kind);
         match (shade, material, light) {
             (true, false, false) => Ok(false),
             (false, true, true) => Ok(true),
@@ -266,7 +271,7 @@ impl Joined {
         arguments: &[&str],
         result: Option<&str>,
     ) -> Result<bool, ShadingError> {
-        let Some((handle, function)) = module.functions.iter().find(|(_, f)| f.name.as_deref() == Some(name)) else {
+        let Some((_, function)) = module.functions.iter().find(|(_, f)| f.name.as_deref() == Some(name)) else {
             return Ok(false);
         };
         let type_name = |ty| module.types[ty].name.as_deref();
@@ -282,11 +287,161 @@ impl Joined {
         if right_arguments && right_result {
             return Ok(true);
         }
-        let range = module.functions.get_span(handle).to_range();
-        Err(self.error(file, range, ShadingErrorKind::Signature { name, expected }))
+        Err(self.error(file, self.declaration(name), ShadingErrorKind::Signature { name, expected }))
     }
 }
 
 fn one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// WGSL's own names that the crate's code calls or uses as types. A host may declare them anew by the rules of WGSL, and
+/// would change what the crate's code means. A test holds the list against the shaders.
+#[rustfmt::skip]
+pub(crate) const BUILTINS: &[&str] = &[
+    "abs", "all", "any", "array", "arrayLength", "atan2", "atomic", "atomicAdd", "atomicLoad", "binding_array",
+    "bitcast", "bool", "clamp", "cos", "cross", "dot", "f32", "fract", "i32", "inverseSqrt", "length", "log2",
+    "mat4x2f", "mat4x4f", "max", "min", "normalize", "round", "sampler", "select", "sin", "sqrt", "textureLoad",
+    "textureSampleGrad", "textureStore", "texture_2d", "texture_2d_array", "texture_depth_2d", "texture_storage_2d",
+    "u32", "unpack2x16float", "unpack2x16snorm", "unpack4x8snorm", "unpack4x8unorm", "vec2f", "vec2i", "vec2u",
+    "vec3f", "vec3u", "vec4f", "vec4u", "workgroupBarrier",
+];
+
+/// Identifiers, numbers and single characters of WGSL with their places, comments left out.
+pub(crate) fn tokens(source: &str) -> Vec<(usize, &str)> {
+    let mut tokens = Vec::new();
+    let mut at = 0;
+    while let Some(c) = source[at..].chars().next() {
+        let rest = &source[at..];
+        let is_word = |c: char| c.is_alphanumeric() || c == '_';
+        let length = if rest.starts_with("//") {
+            rest.find('\n').unwrap_or(rest.len())
+        } else if rest.starts_with("/*") {
+            comment(rest)
+        } else if is_word(c) {
+            rest.find(|c| !is_word(c)).unwrap_or(rest.len())
+        } else {
+            c.len_utf8()
+        };
+        if !c.is_whitespace() && !rest.starts_with("//") && !rest.starts_with("/*") {
+            tokens.push((at, &rest[..length]));
+        }
+        at += length;
+    }
+    tokens
+}
+
+/// The length of a block comment; block comments nest.
+fn comment(text: &str) -> usize {
+    let (mut at, mut depth) = (0, 0);
+    while at < text.len() {
+        let rest = &text[at..];
+        if rest.starts_with("/*") {
+            (at, depth) = (at + 2, depth + 1);
+        } else if rest.starts_with("*/") {
+            (at, depth) = (at + 2, depth - 1);
+        } else {
+            at += rest.chars().next().map_or(1, char::len_utf8);
+        }
+        if depth == 0 {
+            break;
+        }
+    }
+    at
+}
+
+/// The names that are declared at module scope, and where.
+fn declarations(source: &str) -> Vec<(usize, &str)> {
+    let mut names = Vec::new();
+    let mut depth = 0;
+    let mut tokens = tokens(source).into_iter();
+    while let Some((_, token)) = tokens.next() {
+        match token {
+            "{" | "(" | "[" => depth += 1,
+            "}" | ")" | "]" => depth -= 1,
+            "fn" | "struct" | "alias" | "const" | "override" if depth == 0 => names.extend(tokens.next()),
+            // var<storage, read> name
+            "var" if depth == 0 => match tokens.next() {
+                Some((_, "<")) => {
+                    tokens.by_ref().find(|t| t.1 == ">");
+                    names.extend(tokens.next());
+                }
+                name => names.extend(name),
+            },
+            _ => {}
+        }
+    }
+    names
+}
+
+/// The first bracket that nothing closes.
+fn unclosed(source: &str) -> Option<usize> {
+    let mut open = Vec::new();
+    for (at, token) in tokens(source) {
+        match token {
+            "{" | "(" | "[" => open.push(at),
+            "}" | ")" | "]" => drop(open.pop()),
+            _ => {}
+        }
+    }
+    open.first().copied()
+}
+
+/// What naga's validator found, without the handles that mean nothing to a host.
+fn explain(module: &naga::Module, e: &naga::valid::ValidationError) -> String {
+    use naga::valid::{CallError, ExpressionError, FunctionError, ValidationError};
+    let within = match e {
+        ValidationError::Function { name, .. } => format!("in `{name}`: "),
+        ValidationError::Type { name, .. }
+        | ValidationError::Constant { name, .. }
+        | ValidationError::Override { name, .. }
+        | ValidationError::GlobalVariable { name, .. }
+            if !name.is_empty() =>
+        {
+            format!("`{name}`: ")
+        }
+        _ => String::new(),
+    };
+    let what = match e {
+        ValidationError::Function {
+            source:
+                FunctionError::Expression {
+                    source: ExpressionError::InvalidBinaryOperandTypes { op, lhs_type, rhs_type, .. },
+                    ..
+                },
+            ..
+        } => {
+            let [left, right] = [lhs_type, rhs_type]
+                .map(|t| module.types.type_resolution_to_string(&naga::proc::TypeResolution::Value(t.clone())));
+            format!("{op:?} can't work with {left} and {right}; convert one of them")
+        }
+        ValidationError::Function { source: FunctionError::InvalidReturnType { expected_ty, .. }, .. } => {
+            match expected_ty {
+                Some(ty) => {
+                    format!("the function returns {}, this is something else", module.types.type_to_string(*ty))
+                }
+                None => "this returns a value, the function declares none".to_owned(),
+            }
+        }
+        ValidationError::Function {
+            source: FunctionError::InvalidCall { error: CallError::ArgumentType { index, required, .. }, .. },
+            ..
+        } => format!("argument {} must be {}", index + 1, module.types.type_to_string(*required)),
+        _ => {
+            let mut deepest: &dyn std::error::Error = e;
+            while let Some(inner) = deepest.source() {
+                deepest = inner;
+            }
+            without_handles(&one_line(&deepest.to_string()))
+        }
+    };
+    // Named as wgpu names them.
+    within
+        + &what.replace("the `naga::valid::Capabilities::FLOAT64` flag", "a device with Features::SHADER_F64; use f32")
+}
+
+/// naga numbers expressions and types as [7].
+fn without_handles(text: &str) -> String {
+    let is_handle = |word: &&str| !(word.starts_with('[') && word.ends_with(']'));
+    text.split(' ').filter(is_handle).collect::<Vec<_>>().join(" ")
 }

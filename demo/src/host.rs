@@ -6,7 +6,8 @@ use crate::raster::{Raster, node_camera};
 use crate::scene::{Camera, Scene};
 use crate::upload::{GpuScene, UploadError};
 use deferred_aa::{
-    BuildError, DeferredAa, Descriptor, Frame, RecordError, Settings, Shading, SizeError, Statistics, Technique, TextureTier,
+    BuildError, DeferredAa, Descriptor, Frame, RecordError, Settings, Shading, SizeError, Statistics, Technique,
+    TextureTier,
 };
 
 /// Of the target: linear HDR, as most engines have it.
@@ -89,13 +90,13 @@ pub enum HostError {
 #[repr(C)]
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 pub(crate) struct Lighting {
-    to_sun: [f32; 3],
-    light_count: u32,
-    sun: [f32; 3],
-    stall: u32,
-    zenith: [f32; 4],
-    horizon: [f32; 4],
-    ground: [f32; 4],
+    pub(crate) to_sun: [f32; 3],
+    pub(crate) light_count: u32,
+    pub(crate) sun: [f32; 3],
+    pub(crate) stall: u32,
+    pub(crate) zenith: [f32; 4],
+    pub(crate) horizon: [f32; 4],
+    pub(crate) ground: [f32; 4],
 }
 
 /// What the demo's nodes are built from.

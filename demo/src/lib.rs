@@ -7,6 +7,8 @@
 pub mod commands;
 pub mod gpu;
 pub mod host;
+#[cfg(test)]
+mod layouts;
 pub mod mips;
 pub mod picture;
 pub mod quality;

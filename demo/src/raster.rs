@@ -27,19 +27,19 @@ struct Draw {
 
 #[repr(C)]
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
-struct View {
-    clip_from_relative: [[f32; 4]; 4],
-    orthographic: [f32; 4],
+pub(crate) struct View {
+    pub(crate) clip_from_relative: [[f32; 4]; 4],
+    pub(crate) orthographic: [f32; 4],
 }
 
 #[repr(C)]
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
-struct Instance {
-    rows: [[f32; 4]; 3],
-    material: u32,
-    object: u32,
-    handedness: f32,
-    padding: u32,
+pub(crate) struct Instance {
+    pub(crate) rows: [[f32; 4]; 3],
+    pub(crate) material: u32,
+    pub(crate) object: u32,
+    pub(crate) handedness: f32,
+    pub(crate) padding: u32,
 }
 
 /// The camera as the node takes it, for an output of this aspect.
@@ -92,7 +92,8 @@ impl Raster {
             ],
         });
         let (directives, table) = DeferredAa::texture_wgsl(tier);
-        let source = [directives, gbuffer::PACK_WGSL, table, include_str!("material.wgsl"), include_str!("raster.wgsl")];
+        let source =
+            [directives, gbuffer::PACK_WGSL, table, include_str!("material.wgsl"), include_str!("raster.wgsl")];
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("raster"),
             source: wgpu::ShaderSource::Wgsl(source.join("\n").into()),

@@ -149,12 +149,13 @@ fn light(f: DaaSurface, m: DaaMaterial) -> vec4f {
         direct = lit(f, b);
     }
 
-    // The sky: its mean over the hemisphere for the diffuse part, and Lazarov's 2013 fit for the specular one.
+    // The sky: its mean over the hemisphere for the diffuse part, and Lazarov's 2013 fit for the specular one, which falls
+    // below 0 where f0 is 0.
     let mirrored = reflect(-f.view, b.normal);
     let blurred = mix(sky_radiance(mirrored), sky_radiance(b.normal) * 0.5 + lighting.horizon.rgb * 0.5, roughness);
     let r = roughness * vec4f(-1.0, -0.0275, -0.572, 0.022) + vec4f(1.0, 0.0425, 1.04, -0.04);
     let a004 = min(r.x * r.x, exp2(-9.28 * b.n_dot_v)) * r.x + r.y;
-    let specular = blurred * (b.f0 * (-1.04 * a004 + r.z) + (1.04 * a004 + r.w));
+    let specular = blurred * max(b.f0 * (-1.04 * a004 + r.z) + (1.04 * a004 + r.w), vec3f(0.0));
     let hemisphere = mix(lighting.ground.rgb, mix(lighting.horizon.rgb, lighting.zenith.rgb, 0.5), b.normal.y * 0.5 + 0.5);
     let ambient = (hemisphere * b.diffuse + specular) * m.occlusion;
     return vec4f(direct + ambient + m.emissive + f.secondary, 1.0);

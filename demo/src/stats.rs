@@ -108,12 +108,7 @@ impl Stats {
                 driver: format!("{} {}", info.driver, info.driver_info).trim().to_owned(),
                 backend: format!("{:?}", info.backend),
             },
-            samples: Samples {
-                shaded: s.shaded,
-                ratio: s.ratio,
-                mean_k: s.mean_k,
-                histogram_k: s.histogram_k.clone(),
-            },
+            samples: Samples { shaded: s.shaded, ratio: s.ratio, mean_k: s.mean_k, histogram_k: s.histogram_k.clone() },
             rays: Rays { shadow: 0, reflection: 0, refraction: 0, primary: 0 },
             time_ms: times(shots),
             memory_bytes: Memory { gbuffer: memory.gbuffer, scratch: memory.scratch, rays: 0, peak: None },

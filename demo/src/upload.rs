@@ -44,11 +44,11 @@ pub struct GpuScene {
 #[repr(C)]
 #[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct Vertex {
-    position: [f32; 3],
-    normal: [f32; 3],
-    tangent: [f32; 4],
-    uv: [f32; 2],
-    color: [u8; 4],
+    pub(crate) position: [f32; 3],
+    pub(crate) normal: [f32; 3],
+    pub(crate) tangent: [f32; 4],
+    pub(crate) uv: [f32; 2],
+    pub(crate) color: [u8; 4],
 }
 
 impl Vertex {
@@ -61,31 +61,31 @@ impl Vertex {
 #[repr(C)]
 #[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct GpuMaterial {
-    base_color: [f32; 4],
-    emissive: [f32; 3],
-    metallic: f32,
-    roughness: f32,
-    normal_scale: f32,
-    occlusion_strength: f32,
-    alpha_cutoff: f32,
-    textures: [u32; 5],
-    unlit: u32,
-    padding: [u32; 2],
-    transforms: [[f32; 4]; 10],
+    pub(crate) base_color: [f32; 4],
+    pub(crate) emissive: [f32; 3],
+    pub(crate) metallic: f32,
+    pub(crate) roughness: f32,
+    pub(crate) normal_scale: f32,
+    pub(crate) occlusion_strength: f32,
+    pub(crate) alpha_cutoff: f32,
+    pub(crate) textures: [u32; 5],
+    pub(crate) unlit: u32,
+    pub(crate) padding: [u32; 2],
+    pub(crate) transforms: [[f32; 4]; 10],
 }
 
 /// `Light` of shading.wgsl.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct GpuLight {
-    position: [f32; 3],
-    inverse_range: f32,
-    intensity: [f32; 3],
-    kind: u32,
-    direction: [f32; 3],
-    spot_scale: f32,
-    spot_offset: f32,
-    padding: [u32; 3],
+    pub(crate) position: [f32; 3],
+    pub(crate) inverse_range: f32,
+    pub(crate) intensity: [f32; 3],
+    pub(crate) kind: u32,
+    pub(crate) direction: [f32; 3],
+    pub(crate) spot_scale: f32,
+    pub(crate) spot_offset: f32,
+    pub(crate) padding: [u32; 3],
 }
 
 /// The scene does not fit the device.
@@ -190,7 +190,8 @@ fn buffer(
     if size > limit {
         return Err(UploadError::Buffer { what, bytes: size, limit });
     }
-    let made = device.create_buffer(&wgpu::BufferDescriptor { label: Some(what), size, usage, mapped_at_creation: true });
+    let made =
+        device.create_buffer(&wgpu::BufferDescriptor { label: Some(what), size, usage, mapped_at_creation: true });
     if let Ok(mut range) = made.get_mapped_range_mut(..) {
         range.slice(..bytes.len()).copy_from_slice(bytes);
     }
@@ -199,13 +200,8 @@ fn buffer(
 }
 
 fn gpu_material(m: &Material) -> GpuMaterial {
-    let refs = [
-        m.base_color_texture,
-        m.metallic_roughness_texture,
-        m.normal_texture,
-        m.occlusion_texture,
-        m.emissive_texture,
-    ];
+    let refs =
+        [m.base_color_texture, m.metallic_roughness_texture, m.normal_texture, m.occlusion_texture, m.emissive_texture];
     let row = |v: Vec3| [v.x, v.y, v.z, 0.0];
     let rows = |r: Option<TextureRef>| r.map_or([[0.0; 4]; 2], |r| [row(r.u_row), row(r.v_row)]);
     let mut transforms = [[0.0; 4]; 10];
@@ -272,7 +268,8 @@ fn upload_textures(
             return Err(UploadError::Image { name, width, height, limit });
         }
     }
-    let natural: Vec<_> = scene.textures.iter().map(|t| (scene.images[t.image].width, scene.images[t.image].height)).collect();
+    let natural: Vec<_> =
+        scene.textures.iter().map(|t| (scene.images[t.image].width, scene.images[t.image].height)).collect();
     let (sizes, notices) = common_sizes(&scene.textures, &natural);
     let mut made: HashMap<(usize, bool, (u32, u32)), wgpu::Texture> = HashMap::new();
     let mut jobs: Vec<_> = scene.textures.iter().zip(&sizes).map(|(t, &size)| (t.image, t.srgb, size)).collect();
@@ -283,12 +280,19 @@ fn upload_textures(
     std::thread::scope(|threads| {
         for _ in 0..std::thread::available_parallelism().map_or(1, usize::from) {
             threads.spawn(|| {
-                while let Some(&(image, srgb, (w, h))) = jobs.get(next.fetch_add(1, std::sync::atomic::Ordering::Relaxed)) {
+                while let Some(&(image, srgb, (w, h))) =
+                    jobs.get(next.fetch_add(1, std::sync::atomic::Ordering::Relaxed))
+                {
                     let picture = &scene.images[image];
                     let levels = if (w, h) == (picture.width, picture.height) {
                         mips::chain(w, h, &picture.rgba, srgb)
                     } else {
-                        mips::chain(w, h, &mips::resize(picture.width, picture.height, &picture.rgba, srgb, (w, h)), srgb)
+                        mips::chain(
+                            w,
+                            h,
+                            &mips::resize(picture.width, picture.height, &picture.rgba, srgb, (w, h)),
+                            srgb,
+                        )
                     };
                     if let Ok(mut all) = chains.lock() {
                         all.push(((image, srgb, (w, h)), levels));
@@ -375,7 +379,13 @@ mod tests {
     #[test]
     fn many_sizes_become_few_classes() {
         let textures: Vec<_> = (0..12)
-            .map(|image| Texture { image, srgb: image % 2 == 0, wrap_u: Wrap::Repeat, wrap_v: Wrap::Repeat, nearest: false })
+            .map(|image| Texture {
+                image,
+                srgb: image % 2 == 0,
+                wrap_u: Wrap::Repeat,
+                wrap_v: Wrap::Repeat,
+                nearest: false,
+            })
             .collect();
         let natural: Vec<_> = (0..12).map(|i| (16 << (i / 2), 16 + 3 * i)).collect();
         let (sizes, notices) = common_sizes(&textures, &natural);

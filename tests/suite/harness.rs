@@ -3,8 +3,10 @@
 use deferred_aa::reference::metrics::{Input, Worth};
 use deferred_aa::reference::octahedral;
 use deferred_aa::{
-    BINDING_FEATURES, Camera, DeferredAa, Descriptor, Frame, GBuffer, RecordError, Settings, Shading, Statistics, TextureTier,
-    gbuffer, wgpu, glam::{DVec3, Mat4, Vec2, Vec3, Vec4},
+    BINDING_FEATURES, Camera, DeferredAa, Descriptor, Frame, GBuffer, RecordError, Settings, Shading, Statistics,
+    TextureTier, gbuffer,
+    glam::{DVec3, Mat4, Vec2, Vec3, Vec4},
+    wgpu,
 };
 use deferred_aa_demo::gpu::{self, Gpu};
 
@@ -199,7 +201,8 @@ impl Rig {
     pub fn with_input<T>(&self, use_it: impl FnOnce(&Input<'_>) -> T) -> T {
         let gbuffer = self.aa.gbuffer().expect("a size");
         let depth: Vec<f32> = bytemuck::pod_collect_to_vec(&self.gpu.read_texture(gbuffer.depth.texture(), 4));
-        let surface: Vec<[u32; 2]> = bytemuck::pod_collect_to_vec(&self.gpu.read_texture(gbuffer.color[0].texture(), 8));
+        let surface: Vec<[u32; 2]> =
+            bytemuck::pod_collect_to_vec(&self.gpu.read_texture(gbuffer.color[0].texture(), 8));
         let passed = self.aa.intermediates().expect("a size");
         let first: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(&self.gpu.read_texture(passed.first, 16));
         use_it(&Input {

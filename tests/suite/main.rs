@@ -2,5 +2,8 @@
 //! to complain of.
 
 mod harness;
+mod numerics;
+mod scenes;
+mod shading_errors;
 mod textures;
 mod twin;

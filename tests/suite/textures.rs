@@ -1,7 +1,7 @@
 //! The texture table through the library's API, on both tiers: what it refuses, what a sample reads, which mip.
 
 use crate::harness::{Sample, camera, device, fill, has_bindings, noise};
-use deferred_aa::glam::Vec2;
+use deferred_aa::glam::{Vec2, Vec3};
 use deferred_aa::wgpu::{AddressMode, TextureFormat, TextureUsages};
 use deferred_aa::{
     DeferredAa, Descriptor, Execution, Frame, MAX_CLASSES, MAX_SAMPLERS, Settings, Shading, Statistics, TableError,
@@ -43,7 +43,11 @@ pub fn texture(
         gpu.queue.write_texture(
             wgpu::TexelCopyTextureInfo { mip_level: mip, ..made.as_image_copy() },
             &bytes,
-            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(bytes.len() as u32 / h), rows_per_image: None },
+            wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(bytes.len() as u32 / h),
+                rows_per_image: None,
+            },
             wgpu::Extent3d { width: w, height: h, depth_or_array_layers: 1 },
         );
     }
@@ -145,11 +149,17 @@ pub fn tiers() -> Vec<TextureTier> {
     tiers
 }
 
-/// k = `k` in every window, through two objects in each: nothing but the identity metric is on.
+/// k = `k` in every window, through two objects in each: nothing but the identity metric is on. Footprints are plain.
 pub fn fixed_k(k: u32) -> Settings {
-    let identity_samples = k as f32;
-    let windowed =
-        Windowed { depth_scale: 0.0, normal_scale: 0.0, luminance_scale: 0.0, identity_samples, ..Default::default() };
+    let windowed = Windowed {
+        depth_scale: 0.0,
+        normal_scale: 0.0,
+        luminance_scale: 0.0,
+        identity_samples: k as f32,
+        footprint: 1.0,
+        edge_aware_first: false,
+        ..Default::default()
+    };
     Settings { windowed, ..Default::default() }
 }
 
@@ -186,7 +196,10 @@ fn mixed(gpu: &Gpu) -> Vec<(wgpu::Texture, TableSampler)> {
         ([64, 64], 7, plain, TableSampler::default()),
         ([17, 13], 5, plain, blunt),
     ];
-    (0..).zip(all).map(|(i, (size, mips, format, s))| (texture(gpu, size, mips, format, color(i * 65_537)), s)).collect()
+    (0..)
+        .zip(all)
+        .map(|(i, (size, mips, format, s))| (texture(gpu, size, mips, format, color(i * 65_537)), s))
+        .collect()
 }
 
 /// Every texture at every kind of footprint, mirrored and rotated, far outside of [0, 1] too.
@@ -211,8 +224,13 @@ fn both_tiers_give_the_same_image() {
     if !has_bindings() {
         return;
     }
-    let settings =
-        [full(), single(), Settings::default(), Settings { execution: Execution::Loop, ..Default::default() }, fixed_k(5)];
+    let settings = [
+        full(),
+        single(),
+        Settings::default(),
+        Settings { execution: Execution::Loop, ..Default::default() },
+        fixed_k(5),
+    ];
     let images = tiers().into_iter().map(|tier| {
         let mut rig = Textured::new(tier, 3, [34, 21], SHOW_TEXTURE, mixed);
         rig.fill(all_over);
@@ -263,11 +281,16 @@ fn srgb_textures_are_decoded() {
     for tier in tiers() {
         let mut rig = Textured::new(tier, 1, [2, 1], SHOW_TEXTURE, |gpu| {
             let formats = [TextureFormat::Rgba8Unorm, TextureFormat::Rgba8UnormSrgb];
-            formats.map(|f| (texture(gpu, [1, 1], 1, f, |_, _, _| [188, 188, 188, 255]), TableSampler::default())).into()
+            formats
+                .map(|f| (texture(gpu, [1, 1], 1, f, |_, _, _| [188, 188, 188, 255]), TableSampler::default()))
+                .into()
         });
         rig.fill(|x, _| Sample { material: x, ..Default::default() });
         let image = rig.run(single()).0;
-        assert!((image[0][0] - 188.0 / 255.0).abs() < 1e-4 && (image[1][0] - 0.503).abs() < 2e-3, "{tier:?}: {image:?}");
+        assert!(
+            (image[0][0] - 188.0 / 255.0).abs() < 1e-4 && (image[1][0] - 0.503).abs() < 2e-3,
+            "{tier:?}: {image:?}"
+        );
     }
 }
 
@@ -303,9 +326,7 @@ fn a_class_of_more_than_256_goes_on_in_a_second_array() {
 fn too_many_classes_are_refused_by_number() {
     let gpu = device(TextureTier::Arrays);
     let aa = node(&gpu, TextureTier::Arrays, 1, SHOW_TEXTURE, 0);
-    let made: Vec<_> = (1..=8)
-        .map(|w| texture(&gpu, [w, 1], 1, TextureFormat::Rgba8Unorm, |_, _, _| [0; 4]))
-        .collect();
+    let made: Vec<_> = (1..=8).map(|w| texture(&gpu, [w, 1], 1, TextureFormat::Rgba8Unorm, |_, _, _| [0; 4])).collect();
     let all: Vec<_> = made.iter().map(|texture| TableTexture { texture, sampler: TableSampler::default() }).collect();
     assert_eq!(classes(&all), 8);
     assert_eq!(table(&gpu, &aa, &all).unwrap_err(), TableError::Classes { classes: 8, most: MAX_CLASSES });
@@ -414,7 +435,7 @@ fn nothing_bleeds_over_a_seam_of_materials() {
         for settings in [full(), single(), Settings::default(), fixed_k(16), fixed_k(3)] {
             for (i, pixel) in rig.run(settings).0.into_iter().enumerate() {
                 match i % 11 {
-                    0..5 => assert_eq!(pixel, [1.0, 0.0, 0.0, 1.0], "{tier:?}, {settings:?}"),
+                    0..=4 => assert_eq!(pixel, [1.0, 0.0, 0.0, 1.0], "{tier:?}, {settings:?}"),
                     6.. => assert_eq!(pixel, [0.0, 0.0, 1.0, 1.0], "{tier:?}, {settings:?}"),
                     _ => assert!((pixel[0] + pixel[2] - 1.0).abs() < 1e-6 && pixel[1] == 0.0, "{tier:?}: {pixel:?}"),
                 }
@@ -435,39 +456,117 @@ pub fn level(pixel: [f32; 4]) -> f32 {
 
 const TEXEL: f32 = 1.0 / 512.0;
 
+/// Two texels a sample, so that `Full` reads mip 1, and k of n samples mip 1 + log2 √(n/k).
+fn two_texels(x: u32, y: u32, object: u32) -> Sample {
+    let step = 2.0 * TEXEL;
+    Sample {
+        uv: Vec2::new(x as f32, y as f32) * step,
+        ddx: Vec2::new(step, 0.0),
+        ddy: Vec2::new(0.0, step),
+        object,
+        ..Default::default()
+    }
+}
+
+fn blunt_ruler(tier: TextureTier, m: u32) -> Textured {
+    let blunt = TableSampler { anisotropy: 1, ..Default::default() };
+    Textured::new(tier, m, [4, 3], SHOW_TEXTURE, |gpu| vec![(mip_ruler(gpu), blunt)])
+}
+
+#[track_caller]
+fn assert_level(image: &[[f32; 4]], expected: f32, what: &str) {
+    for &pixel in image {
+        let shown = level(pixel);
+        assert!((shown - expected).abs() < 0.06, "{what}: {shown}, not {expected}");
+    }
+}
+
 #[test]
 fn the_footprint_is_the_root_of_n_over_k() {
-    let blunt = TableSampler { anisotropy: 1, ..Default::default() };
     for tier in tiers() {
         for m in [2, 3, 4, 8] {
-            let mut rig = Textured::new(tier, m, [4, 3], SHOW_TEXTURE, |gpu| vec![(mip_ruler(gpu), blunt)]);
-            // Two texels a sample: Full reads mip 1.
-            let step = 2.0 * TEXEL;
-            rig.fill(|x, y| Sample {
-                uv: Vec2::new(x as f32, y as f32) * step,
-                ddx: Vec2::new(step, 0.0),
-                ddy: Vec2::new(0.0, step),
-                object: 1 + x % m,
-                ..Default::default()
-            });
+            let mut rig = blunt_ruler(tier, m);
+            rig.fill(|x, y| two_texels(x, y, 1 + x % m));
             let n = (m * m) as f32;
-            let check = |image: Vec<[f32; 4]>, expected: f32, what: &str| {
-                for pixel in image {
-                    let shown = level(pixel);
-                    assert!((shown - expected).abs() < 0.06, "{tier:?}, m = {m}, {what}: {shown}, not {expected}");
-                }
-            };
-            check(rig.run(full()).0, 1.0, "Full");
-            check(rig.run(single()).0, 1.0 + (m as f32).log2(), "Single");
+            assert_level(&rig.run(full()).0, 1.0, "Full");
+            assert_level(&rig.run(single()).0, 1.0 + (m as f32).log2(), "Single");
             for k in [2, 3, m * m / 2, m * m] {
                 for execution in [Execution::Loop, Execution::Tiled] {
                     let image = rig.run(Settings { execution, ..fixed_k(k) }).0;
                     // The first sample was shaded before k was known, for the whole window.
                     let others = 1.0 + 0.5 * (n / k as f32).log2();
                     let expected = (1.0 + (m as f32).log2() + (k - 1) as f32 * others) / k as f32;
-                    check(image, expected, &format!("k = {k}"));
+                    assert_level(&image, expected, &format!("{tier:?}, m = {m}, k = {k}"));
                 }
             }
+        }
+    }
+}
+
+#[test]
+fn the_footprint_can_be_scaled_down_to_the_sample_s_own() {
+    let m = 4;
+    let mut rig = blunt_ruler(TextureTier::Arrays, m);
+    rig.fill(|x, y| two_texels(x, y, 1 + x % m));
+    let with = |k, footprint| {
+        let settings = fixed_k(k);
+        Settings { windowed: Windowed { footprint, ..settings.windowed }, ..settings }
+    };
+    for footprint in [0.0, 0.25, 0.5, 0.7, 2.0, 4.0] {
+        for k in [2, 4, 16] {
+            let of = |k: u32| 1.0 + ((16.0 / k as f32).sqrt() * footprint).max(1.0).log2();
+            let expected = (of(1) + (k - 1) as f32 * of(k)) / k as f32;
+            assert_level(&rig.run(with(k, footprint)).0, expected, &format!("k = {k}, footprint {footprint}"));
+        }
+    }
+    // The reference and plain deferred shading have theirs.
+    for (technique, expected) in [(Technique::Full, 1.0), (Technique::Single, 3.0)] {
+        assert_level(&rig.run(Settings { technique, ..with(4, 0.25) }).0, expected, "not Windowed");
+    }
+}
+
+#[test]
+fn the_first_sample_of_an_edge_is_one_of_many() {
+    let m = 4;
+    let mut rig = blunt_ruler(TextureTier::Arrays, m);
+    let aware = |k| {
+        let settings = fixed_k(k);
+        Settings { windowed: Windowed { edge_aware_first: true, ..settings.windowed }, ..settings }
+    };
+    // Two objects: the first sample reads as one of n.
+    rig.fill(|x, y| two_texels(x, y, 1 + x % m));
+    for k in [2, 4] {
+        let others = 1.0 + 0.5 * (16.0 / k as f32).log2();
+        assert_level(&rig.run(aware(k)).0, (1.0 + (k - 1) as f32 * others) / k as f32, "an edge");
+    }
+    // One object on a plane: it stands for the window.
+    rig.fill(|x, y| two_texels(x, y, 1));
+    assert_level(&rig.run(aware(4)).0, 3.0, "no edge");
+    rig.fill(|x, y| Sample { depth: 0.1 + 0.003 * x as f32 + 0.002 * y as f32, ..two_texels(x, y, 1) });
+    assert_level(&rig.run(aware(4)).0, 3.0, "a slanted plane");
+    // A corner of it lies elsewhere, or bends.
+    let last = |x: u32, y: u32| x % m == 3 && y % m == 3;
+    rig.fill(|x, y| Sample { depth: if last(x, y) { 0.11 } else { 0.1 }, ..two_texels(x, y, 1) });
+    assert_level(&rig.run(aware(4)).0, 1.0, "a step");
+    rig.fill(|x, y| Sample { normal: if last(x, y) { Vec3::X } else { Vec3::Z }, ..two_texels(x, y, 1) });
+    assert_level(&rig.run(aware(4)).0, 1.0, "a crease");
+}
+
+#[test]
+fn a_device_of_just_what_is_required_runs_every_tier() {
+    for tier in tiers() {
+        for texture_capacity in [1, 300] {
+            let target_format = TextureFormat::Rgba32Float;
+            let shading = Shading { source: SHOW_TEXTURE, file: "test.wgsl" };
+            let descriptor = Descriptor { m: 2, target_format, shading, textures: tier, texture_capacity };
+            let adapter = device(tier).adapter;
+            let needs = DeferredAa::requirements(&adapter, &descriptor);
+            assert_eq!(needs.missing, Vec::<String>::new());
+            let gpu = Gpu::with(adapter, needs.features, needs.limits).expect("a device");
+            let aa = DeferredAa::new(&gpu.device, &descriptor, None).expect("a node");
+            let white = flat(&gpu, [255; 4]);
+            table(&gpu, &aa, &[TableTexture { texture: &white, sampler: TableSampler::default() }]).expect("a table");
+            assert_eq!(gpu.take_errors(), Vec::<String>::new(), "{tier:?}");
         }
     }
 }
@@ -488,7 +587,10 @@ fn anisotropy_keeps_the_short_side_sharp() {
         let image = rig.run(single()).0;
         for row in image.chunks(2) {
             assert!((level(row[0]) - 4.0).abs() < 0.1, "{tier:?}: {row:?}");
-            assert!((level(row[1]) - 1.0).abs() < 0.6, "{tier:?}: {row:?}");
+            // Mesa's software driver has no anisotropy for explicit gradients.
+            let software = rig.gpu.adapter.get_info().device_type == wgpu::DeviceType::Cpu;
+            let sharp = (level(row[1]) - 1.0).abs() < 0.6;
+            assert!(sharp || (software && row[1] == row[0]), "{tier:?}: {row:?}");
         }
     }
 }

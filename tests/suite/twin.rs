@@ -1,6 +1,6 @@
 //! GPU and CPU twin on the same G-buffer: plan, mean, and the whole frame with an analytic hook.
 
-use crate::harness::{Rig, Sample, noise, rgba8, SHOW_USER};
+use crate::harness::{Rig, SHOW_USER, Sample, noise, rgba8};
 use deferred_aa::glam::{Vec2, Vec3};
 use deferred_aa::reference::{plan, resolve};
 use deferred_aa::{DepthMeasure, Execution, LuminanceCurve, Settings, Technique, Weight, Windowed, window};

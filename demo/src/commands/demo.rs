@@ -1,7 +1,7 @@
 //! `demo`: Single, Windowed and Full side by side, with what each costs.
 
 use super::render::write_json;
-use super::{CommandError, ViewArgs, set};
+use super::{CommandError, ViewArgs, say, set};
 use crate::host::Shot;
 use crate::picture::{self, Panel, Picture};
 use crate::quality::{self, Quality};
@@ -65,7 +65,7 @@ impl Demo {
         let mut rows = Vec::new();
         for entry in &entries {
             let quality = quality::compare(&entry.picture, reference, Some(&mask))?;
-            rows.extend(Stats::new(&host, entry.settings, &entry.shots, Some(quality.clone())).map(|s| (entry, s, quality)));
+            rows.extend(Stats::new(&host, entry.settings, &entry.shots, Some(quality)).map(|s| (entry, s, quality)));
         }
         let (width, height, n) = (host.options.width, host.options.height, host.options.m * host.options.m);
         let map = picture::heat_map(&entries[WINDOWED].counts, width, height, n)?;
@@ -89,10 +89,9 @@ impl Demo {
         let strip = out.join("strip.png");
         picture::write_png(&picture::strip(&heading, &panels, &crops)?, &strip)?;
 
-        println!("{heading}");
         let rows: Vec<_> = rows.iter().map(|(e, s, q)| (e.title, s, q)).collect();
-        print_table(&rows, u64::from(width) * u64::from(height));
-        println!("{}", strip.display());
+        let table = table(&rows, u64::from(width) * u64::from(height));
+        say(&format!("{heading}\n{table}{}", strip.display()));
         Ok(())
     }
 }
@@ -115,25 +114,22 @@ fn decibels(quality: &Quality) -> String {
 }
 
 /// Median milliseconds by pass; on a software driver only their ratios count.
-fn print_table(rows: &[(&str, &Stats, &Quality)], pixels: u64) {
+fn table(rows: &[(&str, &Stats, &Quality)], pixels: u64) -> String {
     const PASSES: [&str; 8] = ["gbuffer", "first", "metrics", "plan", "shade", "resolve", "node", "total"];
-    print!("{:<10}{:>12}{:>8}{:>8}{:>11}", "", "samples", "k", "ratio", "PSNR");
-    PASSES.iter().for_each(|p| print!("{p:>9}"));
-    println!("{:>7}", "β");
+    let mut text = format!("{:<10}{:>12}{:>8}{:>8}{:>11}", "", "samples", "k", "ratio", "PSNR");
+    PASSES.iter().for_each(|p| text += &format!("{p:>9}"));
+    text += &format!("{:>7}\n", "β");
     for (title, stats, quality) in rows {
         let s = &stats.samples;
-        print!("{title:<10}{:>12}{:>8.2}{:>7.1}%{:>11}", s.shaded, s.mean_k, s.ratio * 100.0, decibels(quality));
+        text +=
+            &format!("{title:<10}{:>12}{:>8.2}{:>7.1}%{:>11}", s.shaded, s.mean_k, s.ratio * 100.0, decibels(quality));
         for pass in PASSES {
-            match stats.time_ms.get(pass) {
-                Some(spread) => print!("{:>9.1}", spread.median),
-                None => print!("{:>9}", "-"),
-            }
+            let ms = stats.time_ms.get(pass).map_or("-".to_owned(), |spread| format!("{:.1}", spread.median));
+            text += &format!("{ms:>9}");
         }
-        match rows.last().and_then(|(_, full, _)| stats.beta(full, pixels)) {
-            Some(beta) => println!("{beta:>7.2}"),
-            None => println!("{:>7}", "-"),
-        }
+        let beta = rows.last().and_then(|(_, full, _)| stats.beta(full, pixels));
+        text += &format!("{:>7}\n", beta.map_or("-".to_owned(), |b| format!("{b:.2}")));
     }
-    println!("times: median milliseconds; node: the passes first to resolve; total: with the G-buffer");
-    println!("β: time of a sample beyond the first over that of a sample of Full");
+    text + "times: median milliseconds; node: the passes first to resolve; total: with the G-buffer\n\
+            β: time of a sample beyond the first over that of a sample of Full\n"
 }

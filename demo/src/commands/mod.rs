@@ -12,7 +12,7 @@ use crate::quality::QualityError;
 use crate::raster::look_at;
 use crate::scene::load::LoadError;
 use crate::scene::{Camera, Scene, builtin, load};
-use deferred_aa::{BINDING_FEATURES, Technique, TextureTier};
+use deferred_aa::{Technique, TextureTier};
 use glam::Vec3;
 use std::path::{Path, PathBuf};
 
@@ -106,8 +106,8 @@ struct ViewArgs {
     /// Runs the light loop this often, to stand for costly shading.
     #[arg(long, default_value_t = 1)]
     stall: u32,
-    /// How textures are reached: arrays (plain WebGPU limits), bindings (binding arrays), or auto.
-    #[arg(long, default_value = "auto")]
+    /// How textures are reached: arrays (plain WebGPU limits) or bindings (binding arrays).
+    #[arg(long, default_value = "arrays")]
     textures: TextureArg,
     /// Of texture reads, 1 to 16.
     #[arg(long, default_value_t = 16)]
@@ -122,7 +122,6 @@ struct ViewArgs {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 enum TextureArg {
-    Auto,
     Arrays,
     Bindings,
 }
@@ -160,6 +159,12 @@ fn parse_camera(text: &str) -> Result<CameraArg, String> {
     Ok(CameraArg { eye, target, fov_y: fov.to_radians() })
 }
 
+/// A line to stdout. A reader that has gone away (`| head`) is not an error.
+fn say(line: &str) {
+    use std::io::Write as _;
+    let _ = writeln!(std::io::stdout(), "{line}");
+}
+
 /// Loads by name or path.
 pub fn open_scene(name: &str, index: Option<usize>) -> Result<Scene, CommandError> {
     if let Some(scene) = builtin::builtin(name) {
@@ -167,7 +172,8 @@ pub fn open_scene(name: &str, index: Option<usize>) -> Result<Scene, CommandErro
     }
     let path = Path::new(name);
     if path.extension().is_none() && !path.exists() {
-        let problem = format!("no built-in scene '{name}': choose {} or a .gltf or .glb file", builtin::NAMES.join(", "));
+        let problem =
+            format!("no built-in scene '{name}': choose {} or a .gltf or .glb file", builtin::NAMES.join(", "));
         return Err(CommandError::Argument { argument: "--scene".to_owned(), problem });
     }
     Ok(load::load(path, index)?)
@@ -188,20 +194,17 @@ impl ViewArgs {
         }
         let scene = open_scene(&self.scene, self.scene_index)?;
         std::fs::create_dir_all(&self.out)
-            .map_err(|source| CommandError::File { path: self.out.clone(), source })?;
+            .map_err(|e| argument("--out", format!("{}: {e}; name a folder that can be made", self.out.display())))?;
         let adapter = gpu::choose(self.adapter.as_deref())?;
         let textures = match self.textures {
             TextureArg::Arrays => TextureTier::Arrays,
             TextureArg::Bindings => TextureTier::Bindings,
-            TextureArg::Auto if adapter.features().contains(BINDING_FEATURES) => TextureTier::Bindings,
-            TextureArg::Auto => TextureTier::Arrays,
         };
         let gpu = Gpu::new(adapter, &host::descriptor(self.m, textures))?;
         let own = scene.default_camera();
         let camera = self.camera.map_or(own, |c| look_at(c.eye, c.target, c.fov_y, own.near));
         let (width, height) = self.size;
-        let options =
-            Options { width, height, m: self.m, textures, stall: self.stall, anisotropy: self.anisotropy };
+        let options = Options { width, height, m: self.m, textures, stall: self.stall, anisotropy: self.anisotropy };
         let host = Host::new(gpu, scene, options)?;
         for notice in host.scene.notices.iter().chain(&host.uploaded.notices) {
             eprintln!("note: {notice}");

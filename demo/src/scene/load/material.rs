@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use glam::{Vec3, Vec4};
-use gltf::json as json;
+use gltf::json;
 use gltf::json::extensions::texture::TextureTransform;
 use gltf::json::material::AlphaMode;
 use gltf::json::texture::{MagFilter, MinFilter, WrappingMode};

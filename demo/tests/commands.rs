@@ -1,0 +1,350 @@
+//! The binary as its user meets it: what it writes, and what it says of bad input.
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// A folder of this test's own, empty, gone at the end.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("deferred-aa-commands-{}-{name}", std::process::id()));
+        let _ = std::fs::remove_dir_all(&path);
+        std::fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+
+    fn file(&self, name: &str, bytes: &[u8]) -> String {
+        let path = self.0.join(name);
+        std::fs::write(&path, bytes).unwrap();
+        path.display().to_string()
+    }
+
+    fn path(&self, name: &str) -> String {
+        self.0.join(name).display().to_string()
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+fn demo(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_deferred-aa-demo"));
+    command.args(arguments);
+    command
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+/// Exit code 2 and one line on stderr, which holds all of `words`; nothing on stdout, nothing of a panic.
+#[track_caller]
+fn assert_refused(output: &Output, words: &[&str]) {
+    let (stdout, stderr) = (text(&output.stdout), text(&output.stderr));
+    assert_eq!(output.status.code(), Some(2), "{stdout}{stderr}");
+    assert_eq!(stdout, "", "{stderr}");
+    assert_eq!(stderr.lines().count(), 1, "not one line: {stderr}");
+    assert!(!stderr.contains("panicked"), "{stderr}");
+    for word in words {
+        assert!(stderr.contains(word), "{word:?} is not in {stderr:?}");
+    }
+}
+
+/// A tiny `render` with these arguments on top.
+fn render(folder: &Folder, arguments: &[&str]) -> Output {
+    let out = folder.path("out");
+    let all = [&["render", "--size", "32x18", "--m", "2", "--out", &out], arguments].concat();
+    demo(&all).output().unwrap()
+}
+
+#[track_caller]
+fn refused(arguments: &[&str], words: &[&str]) {
+    let folder = Folder::new(&words.join("").replace(|c: char| !c.is_ascii_alphanumeric(), ""));
+    let output = demo(&[&["render", "--out", &folder.path("out")], arguments].concat()).output().unwrap();
+    assert_refused(&output, words);
+    // Nothing half done is left.
+    assert!(!folder.0.join("out/image.png").exists());
+}
+
+#[test]
+fn scenes_that_are_not_there() {
+    refused(&["--scene", "atriun"], &["'atriun'", "atrium", ".gltf"]);
+    refused(&["--scene", "no such.gltf"], &["no such.gltf", "check the path"]);
+    refused(&["--scene", "no/such.glb"], &["no/such.glb", "check the path"]);
+}
+
+#[test]
+fn files_that_are_no_scenes() {
+    let folder = Folder::new("files");
+    // The header promises a kilobyte.
+    let truncated =
+        [&b"glTF"[..], &2u32.to_le_bytes(), &1000u32.to_le_bytes(), &500u32.to_le_bytes(), b"JSON{}"].concat();
+    refused(&["--scene", &folder.file("cut.glb", &truncated)], &["cut.glb", "export or download it again"]);
+    refused(&["--scene", &folder.file("half.glb", b"glT")], &["half.glb", "export or download it again"]);
+    refused(&["--scene", &folder.file("void.glb", b"")], &["void.glb", "export or download it again"]);
+    refused(&["--scene", &folder.file("void.gltf", b"{}")], &["void.gltf", "export or download it again"]);
+    refused(&["--scene", &folder.file("lines.gltf", b"{\n\n\"a\n")], &["lines.gltf", "export or download it again"]);
+    refused(&["--scene", &folder.0.display().to_string()], &["not a file", "check the path"]);
+    let old = folder.file("old.gltf", br#"{"asset":{"version":"1.0"}}"#);
+    refused(&["--scene", &old], &["old.gltf", "1.0", "convert it"]);
+    let one = folder.file("one.gltf", br#"{"asset":{"version":"2.0"},"scenes":[{"nodes":[]}]}"#);
+    refused(&["--scene", &one, "--scene-index", "7"], &["one.gltf", "no scene 7", "has 1", "smaller"]);
+}
+
+#[test]
+fn sizes() {
+    for size in ["0x5", "5x0", "5", "x", "5x5x5", "1e3x5", "99999999999x5", ""] {
+        refused(&["--size", size], &["--size", "WIDTHxHEIGHT"]);
+    }
+    refused(&["--size", "-1x5"], &["-1"]);
+    refused(&["--scene", "empty", "--size", "100000x100000"], &["100000×100000", "lower m or the size"]);
+    refused(&["--scene", "empty", "--size", "4294967295x4294967295"], &["4294967295", "lower m or the size"]);
+}
+
+#[test]
+fn numbers_out_of_range() {
+    refused(&["--m", "0"], &["--m", "0 is not in 1 to 8"]);
+    refused(&["--m", "9"], &["--m", "9 is not in 1 to 8"]);
+    refused(&["--m", "two"], &["'two'", "--m"]);
+    refused(&["--m", "-1"], &["-1"]);
+    refused(&["--anisotropy", "0"], &["--anisotropy", "1 to 16"]);
+    refused(&["--anisotropy", "17"], &["--anisotropy", "1 to 16"]);
+    refused(&["--stall", "0"], &["--stall", "1 or more"]);
+    refused(&["--frames", "-3"], &["-3"]);
+}
+
+#[test]
+fn techniques_and_settings() {
+    refused(&["--technique", "magic"], &["'magic'", "full, single or windowed"]);
+    refused(&["--textures", "none"], &["'none'", "arrays"]);
+    refused(
+        &["--set", "windowed.depht_scale=1"],
+        &["--set windowed.depht_scale=1", "'depht_scale'", "choose", "depth_scale"],
+    );
+    refused(&["--set", "weights=1"], &["'weights'", "choose", "weight"]);
+    refused(&["--set", "windowed.depth_scale"], &["key=value"]);
+    refused(&["--set", "windowed.depth_scale=-1"], &["windowed.depth_scale", "must lie in 0 to"]);
+    refused(&["--set", "windowed.depth_scale=far"], &["windowed.depth_scale=far", "invalid type"]);
+    refused(&["--set", "windowed.two_sided=2"], &["windowed.two_sided=2", "invalid type"]);
+    refused(&["--set", "execution=warp"], &["execution=warp", "loop", "tiled"]);
+    refused(&["--set", "windowed=1"], &["group of settings"]);
+}
+
+#[test]
+fn cameras() {
+    for camera in ["1,2,3", "1,2,3,4,5", "1,2,3,4,5,6,7,8", "a,b,c,d,e,f", "1,2,3,4,5,nan", "inf,0,0,0,0,0", ""] {
+        refused(&["--camera", camera], &["--camera", "x,y,z,tx,ty,tz"]);
+    }
+    refused(&["--camera", "1,2,3,1,2,3"], &["--camera", "move the target"]);
+    for fov in ["0", "-60", "171", "360"] {
+        refused(&["--camera", &format!("0,0,5,0,0,0,{fov}")], &["--camera", "1 to 170 degrees"]);
+    }
+}
+
+#[test]
+fn places_to_write_to() {
+    let folder = Folder::new("out");
+    let taken = folder.file("taken", b"mine");
+    for out in [&taken, &folder.path("taken/deeper")] {
+        let output = demo(&["render", "--scene", "empty", "--size", "8x8", "--m", "1", "--out", out]).output().unwrap();
+        assert_refused(&output, &["taken", "--out"]);
+    }
+    assert_eq!(std::fs::read(&taken).unwrap(), b"mine");
+    let output = demo(&["render", "--scene", "empty"]).output().unwrap();
+    assert_refused(&output, &["--out"]);
+}
+
+#[test]
+fn adapters_that_are_not_there() {
+    refused(&["--scene", "empty", "--adapter", "Voodoo 2"], &["'Voodoo 2'", "adapters"]);
+}
+
+#[test]
+fn without_a_driver_one_line_says_what_to_install() {
+    let folder = Folder::new("no driver");
+    let nowhere = |arguments: &[&str]| {
+        demo(arguments)
+            .env("VK_ICD_FILENAMES", "/nonexistent")
+            .env("VK_DRIVER_FILES", "/nonexistent")
+            .env_remove("VK_ADD_DRIVER_FILES")
+            .output()
+            .unwrap()
+    };
+    let output = nowhere(&["render", "--scene", "empty", "--size", "8x8", "--out", &folder.path("out")]);
+    if cfg!(target_os = "linux") {
+        assert_refused(&output, &["no graphics adapter", "mesa-vulkan-drivers"]);
+        let output = nowhere(&["adapters"]);
+        assert!(output.status.success() && text(&output.stdout).contains("no graphics adapter"));
+    }
+}
+
+#[test]
+fn unknown_arguments() {
+    assert_refused(&demo(&[]).output().unwrap(), &["--help"]);
+    assert_refused(&demo(&["paint"]).output().unwrap(), &["'paint'", "--help"]);
+    assert_refused(&demo(&["render", "--sceen", "empty"]).output().unwrap(), &["--sceen", "--help"]);
+}
+
+#[test]
+fn help_and_adapters() {
+    for arguments in [&["--help"][..], &["render", "--help"], &["demo", "--help"], &["--version"], &["adapters"]] {
+        let output = demo(arguments).output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", text(&output.stderr));
+        assert!(!output.stdout.is_empty() && output.stderr.is_empty(), "{arguments:?}");
+    }
+    let adapters = text(&demo(&["adapters"]).output().unwrap().stdout);
+    for word in ["texture arrays: yes", "texture bindings:", "timestamps:", "m = 4"] {
+        assert!(adapters.contains(word), "{word:?} is not in {adapters}");
+    }
+}
+
+/// Every field of measuring.md, present or null.
+fn assert_stats(stats: &Value, technique: &str) {
+    let place = |path: &str| {
+        path.split('.')
+            .fold(stats, |at, key| at.get(key).unwrap_or_else(|| panic!("stats.json lacks {path}: {stats:#}")))
+    };
+    assert_eq!((place("width"), place("height"), place("m")), (&32.into(), &18.into(), &2.into()));
+    assert_eq!((place("scene"), place("technique"), place("stall")), (&"cornell".into(), &technique.into(), &1.into()));
+    assert_eq!(place("settings.technique"), &Value::from(technique));
+    for text in ["adapter.name", "adapter.driver", "adapter.backend"] {
+        assert!(place(text).as_str().is_some_and(|t| !t.is_empty()), "{text}");
+    }
+    let shaded = place("samples.shaded").as_u64().unwrap();
+    let ratio = place("samples.ratio").as_f64().unwrap();
+    let mean_k = place("samples.mean_k").as_f64().unwrap();
+    let histogram: Vec<u64> =
+        place("samples.histogram_k").as_array().unwrap().iter().map(|v| v.as_u64().unwrap()).collect();
+    assert_eq!(histogram.len(), 4);
+    assert_eq!(histogram.iter().sum::<u64>(), 32 * 18);
+    assert_eq!((1..).zip(&histogram).map(|(k, windows)| k * windows).sum::<u64>(), shaded);
+    assert!((ratio - shaded as f64 / (4.0 * 32.0 * 18.0)).abs() < 1e-9 && (mean_k - 4.0 * ratio).abs() < 1e-9);
+    for kind in ["shadow", "reflection", "refraction", "primary"] {
+        assert_eq!(place("rays")[kind], 0, "{kind}");
+    }
+    for part in ["gbuffer", "scratch", "rays"] {
+        assert!(place("memory_bytes")[part].is_u64(), "{part}");
+    }
+    place("memory_bytes.peak");
+    for measure in ["psnr_db", "edge_psnr_db", "rmse_linear", "ssim", "flip_mean", "flip_p99"] {
+        assert!(place("quality.grid").get(measure).is_some(), "{measure}");
+    }
+    place("quality.truth");
+    let passes: Vec<&str> = place("passes").as_array().unwrap().iter().map(|v| v.as_str().unwrap()).collect();
+    let expected: &[&str] = match technique {
+        "single" => &["first", "resolve"],
+        "full" => &["shade", "resolve"],
+        _ => &["first", "metrics", "plan", "shade", "resolve"],
+    };
+    assert_eq!(passes, expected);
+    let times = place("time_ms").as_object().unwrap();
+    // Empty where the adapter has no timestamps.
+    if !times.is_empty() {
+        for name in passes.into_iter().chain(["gbuffer", "total"]) {
+            let of = |key: &str| times[name][key].as_f64().unwrap_or_else(|| panic!("time_ms.{name}.{key}"));
+            assert!(0.0 <= of("min") && of("min") <= of("median") && of("median") <= of("p95"), "{name}");
+        }
+    }
+}
+
+#[test]
+fn a_render_writes_all_it_should() {
+    for technique in ["windowed", "single", "full"] {
+        let folder = Folder::new(technique);
+        let output = render(&folder, &["--scene", "cornell", "--technique", technique, "--frames", "3"]);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        let out = folder.0.join("out");
+        let mut names: Vec<_> = std::fs::read_dir(&out).unwrap().map(|e| e.unwrap().file_name()).collect();
+        names.sort();
+        assert_eq!(names, ["image.exr", "image.png", "samples.png", "stats.json"]);
+
+        let exr = image::open(out.join("image.exr")).unwrap().into_rgb32f();
+        assert_eq!(exr.dimensions(), (32, 18));
+        assert!(exr.as_raw().iter().all(|c| c.is_finite() && *c >= 0.0) && exr.as_raw().iter().any(|&c| c > 0.5));
+        let png = image::open(out.join("image.png")).unwrap().into_rgb8();
+        assert_eq!(png.dimensions(), (32, 18));
+        // The same picture: what is bright in one is bright in the other.
+        let brightest =
+            |values: Vec<f32>| values.iter().copied().enumerate().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap().0;
+        let sums = brightest(exr.pixels().map(|p| p.0.iter().sum()).collect());
+        let shown: Vec<u32> = png.pixels().map(|p| p.0.iter().map(|&c| u32::from(c)).sum()).collect();
+        assert_eq!(Some(&shown[sums]), shown.iter().max());
+        assert_eq!(image::open(out.join("samples.png")).unwrap().to_rgb8().dimensions(), (32, 18));
+
+        let stats: Value = serde_json::from_slice(&std::fs::read(out.join("stats.json")).unwrap()).unwrap();
+        assert_stats(&stats, technique);
+        if technique == "full" {
+            assert_eq!(stats["samples"]["ratio"], 1.0);
+            assert_eq!(stats["quality"]["grid"]["rmse_linear"], 0.0);
+        }
+    }
+}
+
+#[test]
+fn without_a_reference_quality_is_null() {
+    let folder = Folder::new("no reference");
+    let output = render(&folder, &["--scene", "cornell", "--no-reference"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let stats: Value = serde_json::from_slice(&std::fs::read(folder.0.join("out/stats.json")).unwrap()).unwrap();
+    assert!(stats["quality"]["grid"].is_null());
+}
+
+/// The picture that a view gives.
+fn picture(name: &str, arguments: &[&str]) -> Vec<u8> {
+    let folder = Folder::new(name);
+    let output = render(&folder, &[&["--scene", "cornell", "--no-reference"], arguments].concat());
+    assert!(output.status.success(), "{arguments:?}: {}", text(&output.stderr));
+    std::fs::read(folder.0.join("out/image.exr")).unwrap()
+}
+
+#[test]
+fn cameras_may_stand_at_negative_places() {
+    let own = picture("own", &[]);
+    let front = picture("front", &["--camera", "0,0,3.9,0,0,0,38"]);
+    let left = picture("left", &["--camera", "-0.5,-0.25,2.5,0.1,-0,-1"]);
+    let left_too = picture("left too", &["--camera=-0.5,-0.25,2.5,0.1,0,-1,60"]);
+    assert!(own != left && left == left_too, "a camera that begins with a minus");
+    assert!(own == front, "the scene's own camera, spelled out");
+}
+
+#[test]
+fn settings_reach_the_frame() {
+    let image = picture("image", &[]);
+    let counts = picture("counts", &["--set", "view=count"]);
+    let loops = picture("loops", &["--set", "execution=loop"]);
+    let off = ["windowed.depth_scale=0", "windowed.normal_scale=0", "windowed.luminance_scale=0"];
+    let off: Vec<&str> = off.iter().flat_map(|s| ["--set", s]).collect();
+    let off = picture("off", &off);
+    assert!(counts != image && off != image);
+    assert_eq!(loops.len(), image.len());
+}
+
+#[test]
+fn the_same_command_twice_writes_the_same_bits() {
+    assert!(picture("once", &["--technique", "windowed"]) == picture("twice", &["--technique", "windowed"]));
+}
+
+#[test]
+fn a_glb_given_by_a_path_with_spaces_renders() {
+    let folder = Folder::new("glb");
+    let corners = [-1.0f32, -1.0, 0.0, 1.0, -1.0, 0.0, 0.0, 1.0, 0.0];
+    let bin: Vec<u8> = corners.iter().flat_map(|v| v.to_le_bytes()).collect();
+    let json =
+        br#"{"asset":{"version":"2.0"},"buffers":[{"byteLength":36}],"bufferViews":[{"buffer":0,"byteLength":36}],
+        "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}],
+        "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],"nodes":[{"mesh":0}],"scenes":[{"nodes":[0]}]}"#;
+    let mut json = json.to_vec();
+    json.resize(json.len().next_multiple_of(4), b' ');
+    let chunk = |kind: &[u8; 4], data: &[u8]| [&(data.len() as u32).to_le_bytes()[..], kind, data].concat();
+    let body = [chunk(b"JSON", &json), chunk(b"BIN\0", &bin)].concat();
+    let file = [&b"glTF"[..], &2u32.to_le_bytes(), &(12 + body.len() as u32).to_le_bytes(), &body].concat();
+    let scene = folder.file("a triangle ▲.glb", &file);
+    let output = render(&folder, &["--scene", &scene]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert!(Path::new(&folder.path("out/image.png")).exists());
+}
