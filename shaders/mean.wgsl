@@ -30,7 +30,8 @@ struct DaaMean {
 /// The weight of a sample: 1, or 1/(1 + luminance) against fireflies (Karis 2014, "High Quality Temporal
 /// Supersampling", slide 19).
 fn daa_weight(c: vec4f, by_luminance: bool, exposure: f32) -> f32 {
-    return select(1.0, 1.0 / (1.0 + daa_luminance(c.rgb) * exposure), by_luminance);
+    // The product of two finite numbers may be infinite, and all weights 0 then.
+    return select(1.0, 1.0 / (1.0 + min(daa_luminance(c.rgb) * exposure, 1e30)), by_luminance);
 }
 
 fn daa_mean_add(mean: DaaMean, c: vec4f, weight: f32) -> DaaMean {

@@ -132,7 +132,8 @@ fn daa_mixed_identity(corner: vec2u) -> bool {
 fn daa_metric_luminance(pixel: vec2i) -> f32 {
     let last = vec2i(daa_frame.size) - 1;
     let c = textureLoad(daa_first, clamp(pixel, vec2i(0), last), 0).rgb;
-    let l = daa_luminance(c) * daa_frame.exposure;
+    // The product may be infinite, and ∞/∞ is no number.
+    let l = min(daa_luminance(c) * daa_frame.exposure, 1e30);
     return select(l, sqrt(l / (1.0 + l)), (daa_frame.flags & DAA_FLAG_LUMINANCE_PERCEPTUAL) != 0u);
 }
 

@@ -30,7 +30,8 @@ pub struct Frame<'a> {
     pub host_bind_group: Option<&'a wgpu::BindGroup>,
     /// The textures that `daa_texture` reads. Needed if the descriptor has a texture tier.
     pub textures: Option<&'a crate::TextureTable>,
-    /// The image goes here: the size of the node, the format of the descriptor, usage `RENDER_ATTACHMENT`.
+    /// The image goes here: the size of the node, the format of the descriptor, usage `RENDER_ATTACHMENT`. A texture that
+    /// differs in sRGB alone is let through, since its view may have the right format and wgpu can't be asked.
     pub target: &'a wgpu::TextureView,
     /// Collect [`Statistics`](crate::Statistics) of this frame: a copy of a few hundred bytes, and timestamps where the
     /// device has them.

@@ -25,7 +25,7 @@
 //! 3. Each frame the host renders into the G-buffer, its fragment shaders packing with [`gbuffer::PACK_WGSL`], and calls
 //!    [`DeferredAa::record`].
 //!
-//! `tests/integration/` in the repository is a whole host in under 120 lines.
+//! `examples/host.rs` in the repository is a whole host in under 120 lines.
 //!
 //! # Source
 //! The techniques come from M. Holländer, T. Boubekeur, E. Eisemann, "Adaptive Supersampling for Deferred Anti-Aliasing",

@@ -342,7 +342,8 @@ impl DeferredAa {
         steps.enumerate().map(|(index, step)| Pass { info: step.info(), step, index })
     }
 
-    /// Records the frame: all its passes, and the copies of its statistics. Nothing is recorded if it fails.
+    /// Records the frame: all its passes, and the copies of its statistics. Nothing is recorded if it fails. At most 16
+    /// frames of one node may be recorded between two submits: the next would take the first one's constants.
     pub fn record(
         &mut self,
         queue: &wgpu::Queue,

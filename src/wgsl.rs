@@ -183,8 +183,9 @@ impl Joined {
         }
         let host = e.labels().filter_map(|(span, _)| span.to_range()).find(|r| self.in_host(Some(r)));
         if let Some(range) = host {
-            let notes: String = e.notes().map(|n| format!("; {}", one_line(n))).collect();
-            return self.error(file, Some(range), ShadingErrorKind::Wgsl(message + &notes));
+            let notes = one_line(&e.notes().collect::<Vec<_>>().join(" "));
+            let told = if notes.is_empty() { message } else { format!("{message}; {notes}") };
+            return self.error(file, Some(range), ShadingErrorKind::Wgsl(told));
         }
         // The parser ran on into the crate's text: something is left open in the host's.
         let host = &self.text[self.host.clone()];
@@ -389,7 +390,7 @@ fn unclosed(source: &str) -> Option<usize> {
 
 /// What naga's validator found, without the handles that mean nothing to a host.
 fn explain(module: &naga::Module, e: &naga::valid::ValidationError) -> String {
-    use naga::valid::{CallError, ExpressionError, FunctionError, ValidationError};
+    use naga::valid::{CallError, ExpressionError, FunctionError, GlobalVariableError, ValidationError};
     let within = match e {
         ValidationError::Function { name, .. } => format!("in `{name}`: "),
         ValidationError::Type { name, .. }
@@ -415,13 +416,13 @@ fn explain(module: &naga::Module, e: &naga::valid::ValidationError) -> String {
                 .map(|t| module.types.type_resolution_to_string(&naga::proc::TypeResolution::Value(t.clone())));
             format!("{op:?} can't work with {left} and {right}; convert one of them")
         }
-        ValidationError::Function { source: FunctionError::InvalidReturnType { expected_ty, .. }, .. } => {
-            match expected_ty {
-                Some(ty) => {
-                    format!("the function returns {}, this is something else", module.types.type_to_string(*ty))
-                }
-                None => "this returns a value, the function declares none".to_owned(),
-            }
+        ValidationError::Function { source: FunctionError::InvalidReturnType { expression, expected_ty }, .. } => {
+            let declared = expected_ty.map_or("nothing".to_owned(), |ty| module.types.type_to_string(ty));
+            let found = if expression.is_some() { "this is something else" } else { "it ends without a return" };
+            format!("the function returns {declared}, {found}")
+        }
+        ValidationError::GlobalVariable { source: GlobalVariableError::MissingTypeFlags { .. }, .. } => {
+            "no buffer holds a value of its type; use u32 in place of bool".to_owned()
         }
         ValidationError::Function {
             source: FunctionError::InvalidCall { error: CallError::ArgumentType { index, required, .. }, .. },

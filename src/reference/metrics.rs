@@ -77,7 +77,7 @@ impl Input<'_> {
     fn luminance(&self, x: isize, y: isize, curve: LuminanceCurve) -> f64 {
         let clamp = |v: isize, side: usize| v.clamp(0, side as isize - 1) as usize;
         let [r, g, b, _] = self.first[clamp(y, self.height) * self.width + clamp(x, self.width)].map(f64::from);
-        let l = (0.2126 * r + 0.7152 * g + 0.0722 * b) * f64::from(self.exposure);
+        let l = ((0.2126 * r + 0.7152 * g + 0.0722 * b) * f64::from(self.exposure)).min(1e30);
         match curve {
             LuminanceCurve::Linear => l,
             LuminanceCurve::Perceptual => (l / (1.0 + l)).sqrt(),

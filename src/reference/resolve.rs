@@ -16,7 +16,7 @@ pub fn mean(samples: &[[f64; 4]], weight: Weight, exposure: f64) -> [f64; 4] {
         let luminance = 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
         let w = match weight {
             Weight::Linear => 1.0,
-            Weight::Luminance => 1.0 / (1.0 + luminance * exposure),
+            Weight::Luminance => 1.0 / (1.0 + (luminance * exposure).min(1e30)),
         };
         for (s, v) in sum.iter_mut().zip(c) {
             *s += v * w;

@@ -1,7 +1,7 @@
 //! The contract of the API: what is refused and how it is said, what is recorded, and what a frame leaves behind.
 
 use crate::harness::{self, Rig, SHOW_USER, Sample, WHITE, fill, noise, rgba8};
-use deferred_aa::glam::{Mat4, Vec2, Vec3};
+use deferred_aa::glam::{Mat4, Vec2, Vec3, Vec4, camera::rh::proj::directx};
 use deferred_aa::{
     BuildError, Camera, DebugView, DeferredAa, Descriptor, Execution, Frame, PipelineError, RecordError, Resource,
     Settings, SettingsError, Shading, SizeError, TableError, Technique, TextureTier, Windowed, wgpu,
@@ -175,11 +175,8 @@ fn requirements_name_what_is_missing() {
     let format = DeferredAa::requirements(&adapter, &descriptor(4, Rgb9e5Ufloat, WHITE));
     assert_eq!(format.missing, ["rendering to Rgb9e5Ufloat"]);
 
-    let endless = Descriptor {
-        textures: TextureTier::Bindings,
-        texture_capacity: u32::MAX,
-        ..descriptor(4, Rgba16Float, WHITE)
-    };
+    let endless =
+        Descriptor { textures: TextureTier::Bindings, texture_capacity: u32::MAX, ..descriptor(4, Rgba16Float, WHITE) };
     let endless = DeferredAa::requirements(&adapter, &endless);
     let limit = "limit max_binding_array_elements_per_shader_stage = 4294967295 (it has ";
     assert!(endless.missing.iter().any(|m| m.starts_with(limit)), "{:?}", endless.missing);
@@ -210,7 +207,8 @@ fn new_refuses() {
     for format in [Rgba8Uint, R32Sint, Depth32Float, Depth24PlusStencil8, Bc1RgbaUnorm, Rgb9e5Ufloat] {
         assert_eq!(new(&descriptor(2, format, WHITE)), BuildError::TargetFormat(format));
     }
-    let bindings = Descriptor { textures: TextureTier::Bindings, texture_capacity: 64, ..descriptor(2, Rgba8Unorm, WHITE) };
+    let bindings =
+        Descriptor { textures: TextureTier::Bindings, texture_capacity: 64, ..descriptor(2, Rgba8Unorm, WHITE) };
     let BuildError::Missing(missing) = new(&bindings) else { panic!("not missing") };
     let named = ["TEXTURE_BINDING_ARRAY", "NON_UNIFORM_INDEXING", "max_binding_array_elements_per_shader_stage"];
     for name in named {
@@ -230,7 +228,11 @@ fn a_layout_that_does_not_fit_is_a_pipeline_error() {
             entries: &[wgpu::BindGroupLayoutEntry {
                 binding,
                 visibility,
-                ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: wgpu::BufferSize::new(size) },
+                ty: wgpu::BindingType::Buffer {
+                    ty,
+                    has_dynamic_offset: false,
+                    min_binding_size: wgpu::BufferSize::new(size),
+                },
                 count: None,
             }],
         })
@@ -247,7 +249,10 @@ fn a_layout_that_does_not_fit_is_a_pipeline_error() {
         let Err(BuildError::Pipeline(e)) = new(layout) else { panic!("{layout:?}") };
         assert_eq!(e.pass, "first");
         let text = e.to_string();
-        assert!(text.ends_with("; hold the host's bind group layout against its WGSL") && !text.contains('\n'), "{text}");
+        assert!(
+            text.ends_with("; hold the host's bind group layout against its WGSL") && !text.contains('\n'),
+            "{text}"
+        );
     }
     assert_eq!(new(Some(&layout(0, compute, uniform, 0))), Ok(()));
     no_errors(&gpu);
@@ -319,7 +324,6 @@ fn record_refuses_without_what_the_host_binds() {
 
 #[test]
 fn record_refuses_what_has_no_picture() {
-    use deferred_aa::glam::camera::rh::proj::directx;
     let gpu = harness::device(TextureTier::None);
     let mut aa = node(&gpu, 2, Rgba8Unorm, WHITE);
     let (_, view) = target(&gpu, Rgba8Unorm);
@@ -328,7 +332,7 @@ fn record_refuses_what_has_no_picture() {
     let projections = [
         Mat4::ZERO,
         nan,
-        Mat4::from_diagonal(deferred_aa::glam::Vec4::new(1.0, 0.0, 1.0, 1.0)),
+        Mat4::from_diagonal(Vec4::new(1.0, 0.0, 1.0, 1.0)),
         directx::perspective_infinite_reverse(0.0, 1.0, 0.1),
         directx::perspective_infinite_reverse(1.0, 0.0, 0.1),
         directx::perspective_infinite_reverse(1.0, 1.0, 0.0),
@@ -431,7 +435,11 @@ fn passes_come_in_order_and_read_what_is_written() {
             let mut written = vec![Resource::GBuffer, Resource::Host];
             for pass in DeferredAa::passes(&settings) {
                 for read in pass.info.reads {
-                    assert!(written.contains(read), "{w:?} {view:?}: {} reads {read:?} before it is there", pass.info.name);
+                    assert!(
+                        written.contains(read),
+                        "{w:?} {view:?}: {} reads {read:?} before it is there",
+                        pass.info.name
+                    );
                 }
                 written.extend(pass.info.writes);
             }
@@ -513,7 +521,7 @@ fn frames_that_are_never_submitted_hold_no_slot() {
     }
     // Begun and never finished: no slot either.
     for _ in 0..20 {
-        drop(aa.begin(&gpu.queue, &mut encoder(&gpu), &frame).expect("a frame"));
+        let _ = aa.begin(&gpu.queue, &mut encoder(&gpu), &frame).expect("a frame");
     }
     let mut counted = encoder(&gpu);
     aa.record(&gpu.queue, &mut counted, &frame).expect("a frame");
@@ -598,10 +606,8 @@ fn two_nodes_share_a_device() {
     let gpu = harness::device(TextureTier::None);
     let mut a = node(&gpu, 2, Rgba16Float, SHOW_USER);
     let mut b = node(&gpu, 5, Rgba8Unorm, "fn shade(s: DaaSample) -> vec4f { return vec4f(abs(s.normal), 1.0); }");
-    let alone = (
-        render(&gpu, &mut a, Rgba16Float, Settings::default()),
-        render(&gpu, &mut b, Rgba8Unorm, Settings::default()),
-    );
+    let alone =
+        (render(&gpu, &mut a, Rgba16Float, Settings::default()), render(&gpu, &mut b, Rgba8Unorm, Settings::default()));
     let (image_a, view_a) = target(&gpu, Rgba16Float);
     let (image_b, view_b) = target(&gpu, Rgba8Unorm);
     let mut both = encoder(&gpu);
@@ -656,7 +662,8 @@ fn every_target_format_holds_the_image() {
     let srgb = |c: f32| if c <= 0.003_130_8 { c * 12.92 } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 };
     let plain = |c: f32| c;
     // How far apart in the format's own curve: a step, since drivers round as they like.
-    let mut formats: Vec<(TextureFormat, fn(f32) -> f32, [f32; 4])> = vec![
+    type Format = (TextureFormat, fn(f32) -> f32, [f32; 4]);
+    let mut formats: Vec<Format> = vec![
         (Rgba8Unorm, plain, [1.0 / 255.0; 4]),
         (Rgba8UnormSrgb, srgb, [1.0 / 255.0; 4]),
         (Bgra8UnormSrgb, srgb, [1.0 / 255.0; 4]),
@@ -701,7 +708,8 @@ fn the_same_frame_twice_is_the_same_bits() {
 fn loop_and_tiled_differ_by_one_unit_in_the_last_place() {
     let half = |c: f32| 2f32.powi((c.abs().max(2f32.powi(-14)).log2().floor() as i32) - 10);
     let unorm = |_: f32| 1.001 / 255.0;
-    let formats: [(TextureFormat, fn(f32) -> f32); 2] = [(Rgba16Float, half), (Rgba8Unorm, unorm)];
+    type Unit = fn(f32) -> f32;
+    let formats: [(TextureFormat, Unit); 2] = [(Rgba16Float, half), (Rgba8Unorm, unorm)];
     for m in 2..=8 {
         for (format, unit) in formats {
             let mut rig = Rig::with_format(m, WIDTH, HEIGHT, SHOW_USER, format);
@@ -722,33 +730,33 @@ fn loop_and_tiled_differ_by_one_unit_in_the_last_place() {
 /// What each error says: what is wrong, where, and what to do, in one line.
 #[test]
 fn texts() {
-    assert_snapshot!(BuildError::WindowSize(9), @"");
-    assert_snapshot!(BuildError::Missing(vec!["feature A".into(), "limit b = 4 (it has 2)".into()]), @"");
-    assert_snapshot!(BuildError::TargetFormat(Rgba8Uint), @"");
+    assert_snapshot!(BuildError::WindowSize(9), @"m is 9: a window has 1 to 8 samples a side; set Descriptor::m to one of them");
+    assert_snapshot!(BuildError::Missing(vec!["feature A".into(), "limit b = 4 (it has 2)".into()]), @"the device lacks feature A, limit b = 4 (it has 2); request Requirements::features and ::limits with it, or choose another tier");
+    assert_snapshot!(BuildError::TargetFormat(Rgba8Uint), @"target format Rgba8Uint can't hold a colour image; choose a renderable float or normalised format, such as Rgba8UnormSrgb or Rgba16Float");
     let pipeline = PipelineError { pass: "first", message: "Binding 0 is missing".into() };
-    assert_snapshot!(BuildError::Pipeline(pipeline.clone()), @"");
+    assert_snapshot!(BuildError::Pipeline(pipeline.clone()), @"pass 'first' could not be compiled: Binding 0 is missing; hold the host's bind group layout against its WGSL");
     let (width, height, m) = (1920, 1080, 8);
-    assert_snapshot!(SizeError::Empty { width: 0, height }, @"");
-    assert_snapshot!(SizeError::TooLarge { width, height, m, limit: 8192 }, @"");
-    assert_snapshot!(SizeError::Buffer { width: 8192, height: 8192, bytes: 1 << 28, limit: 1 << 27 }, @"");
+    assert_snapshot!(SizeError::Empty { width: 0, height }, @"0×1080 has no pixels; skip the frame while the window is minimised");
+    assert_snapshot!(SizeError::TooLarge { width, height, m, limit: 8192 }, @"1920×1080 at m = 8 needs a G-buffer 15360×8640, the device allows 8192 a side; lower m or the size, or request a greater max_texture_dimension_2d");
+    assert_snapshot!(SizeError::Buffer { width: 8192, height: 8192, bytes: 1 << 28, limit: 1 << 27 }, @"8192×8192 needs a buffer of 268435456 bytes, the device binds 134217728; request a greater max_storage_buffer_binding_size");
     let message = "Not enough memory left.".into();
-    assert_snapshot!(SizeError::OutOfMemory { width, height, m, bytes: 4_777_574_400, message }, @"");
-    assert_snapshot!(RecordError::NoSize, @"");
+    assert_snapshot!(SizeError::OutOfMemory { width, height, m, bytes: 4_777_574_400, message }, @"the device has no memory for 4777574400 bytes of 1920×1080 at m = 8: Not enough memory left.; lower m or the size");
+    assert_snapshot!(RecordError::NoSize, @"the node has no size yet; call resize before record");
     let settings = SettingsError { field: "windowed.depth_scale", value: -1.0, least: 0.0, most: 1e9 };
-    assert_snapshot!(RecordError::Settings(settings), @"");
-    assert_snapshot!(RecordError::Settings(SettingsError { value: f32::NAN, ..settings }), @"");
-    assert_snapshot!(RecordError::Camera("projection"), @"");
-    assert_snapshot!(RecordError::Camera("view"), @"");
-    assert_snapshot!(RecordError::Exposure(0.0), @"");
+    assert_snapshot!(RecordError::Settings(settings), @"windowed.depth_scale is -1, it must lie in 0 to 1000000000");
+    assert_snapshot!(RecordError::Settings(SettingsError { value: f32::NAN, ..settings }), @"windowed.depth_scale is NaN, it must lie in 0 to 1000000000");
+    assert_snapshot!(RecordError::Camera("projection"), @"the camera's projection is singular or not finite; give it a size above 0 and a near plane above 0");
+    assert_snapshot!(RecordError::Camera("view"), @"the camera's view is singular or not finite; world_from_view is a rotation and a translation");
+    assert_snapshot!(RecordError::Exposure(0.0), @"exposure is 0; it is a finite factor above 0, 1 if the host has none");
     let (target_width, target_height) = (1280, 720);
-    assert_snapshot!(RecordError::TargetSize { target_width, target_height, width, height }, @"");
-    assert_snapshot!(RecordError::TargetFormat { target: Rgba8Unorm, node: Rgba16Float }, @"");
-    assert_snapshot!(RecordError::TargetUsage, @"");
-    assert_snapshot!(RecordError::HostBindGroup, @"");
-    assert_snapshot!(RecordError::Textures, @"");
-    assert_snapshot!(RecordError::Pipeline(pipeline), @"");
-    assert_snapshot!(TableError::Classes { classes: 12, most: 7 }, @"");
-    assert_snapshot!(TableError::Capacity { textures: 2000, most: 1024 }, @"");
-    assert_snapshot!(TableError::Texture { index: 3, problem: "is multisampled; resolve it first".into() }, @"");
-    assert_snapshot!(TableError::NoTier, @"");
+    assert_snapshot!(RecordError::TargetSize { target_width, target_height, width, height }, @"the target is 1280×720, the node 1920×1080; call resize with the target's size");
+    assert_snapshot!(RecordError::TargetFormat { target: Rgba8Unorm, node: Rgba16Float }, @"the target is Rgba8Unorm, the node writes Rgba16Float; build the node with Descriptor::target_format = Rgba8Unorm");
+    assert_snapshot!(RecordError::TargetUsage, @"the target can't be rendered to; create it with TextureUsages::RENDER_ATTACHMENT");
+    assert_snapshot!(RecordError::HostBindGroup, @"the host's WGSL was built with a bind group layout, the frame has no host_bind_group; set it");
+    assert_snapshot!(RecordError::Textures, @"the node was built with a texture tier, the frame has no table; set Frame::textures, an empty table if there are none");
+    assert_snapshot!(RecordError::Pipeline(pipeline), @"pass 'first' could not be compiled: Binding 0 is missing; hold the host's bind group layout against its WGSL");
+    assert_snapshot!(TableError::Classes { classes: 12, most: 7 }, @"the textures fall into 12 classes of size, format, mip count and sampler, the array tier has 7; resize some to a common size, or use the binding tier");
+    assert_snapshot!(TableError::Capacity { textures: 2000, most: 1024 }, @"2000 textures, the table holds 1024; raise Descriptor::texture_capacity");
+    assert_snapshot!(TableError::Texture { index: 3, problem: "is multisampled; resolve it first".into() }, @"texture 3 is multisampled; resolve it first");
+    assert_snapshot!(TableError::NoTier, @"the node was built without a texture tier; set Descriptor::textures");
 }

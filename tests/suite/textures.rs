@@ -132,14 +132,10 @@ impl Textured {
         self.aa.record(&self.gpu.queue, &mut encoder, &frame).expect("a frame");
         self.gpu.queue.submit([encoder.finish()]);
         self.gpu.wait();
-        let image = wgpu_floats(&self.gpu.read_texture(&self.target, 16));
+        let image = bytemuck::pod_collect_to_vec(&self.gpu.read_texture(&self.target, 16));
         assert_eq!(self.gpu.take_errors(), Vec::<String>::new());
         (image, self.aa.statistics().expect("statistics").clone())
     }
-}
-
-fn wgpu_floats(bytes: &[u8]) -> Vec<[f32; 4]> {
-    bytemuck::pod_collect_to_vec(bytes)
 }
 
 /// The tiers that the adapter of the tests can run.
