@@ -57,7 +57,7 @@ fn with_input<T>(host: &Host, use_it: impl FnOnce(&Input<'_>) -> T) -> T {
     })
 }
 
-/// Holds k of the last, windowed frame against the twin: equal, but where the metric is next to a half, and that is rare.
+/// Holds k of the last, windowed frame against the twin: equal, but where the metric is next to a half, which is rare.
 fn assert_twin_agrees(host: &Host, settings: &Settings) {
     let counts = host.counts(Technique::Windowed);
     let worths: Vec<Worth> = with_input(host, |input| {
@@ -201,8 +201,8 @@ fn png(width: u32, height: u32, rgba: &[u8]) -> Vec<u8> {
     file
 }
 
-/// A glTF file under construction: squares of 2 × 2 around (2 i, 0, 0), each with a material of its own, side by side, so
-/// that one picture shows many.
+/// A glTF file under construction: squares of 2 × 2 side by side around (2 i, 0, 0), so that one picture shows many
+/// materials.
 #[derive(Default)]
 struct Model {
     buffers: Vec<String>,
@@ -216,6 +216,11 @@ struct Model {
     samplers: Vec<String>,
     /// More top-level members, each with a comma in front.
     rest: String,
+}
+
+/// A primitive.
+fn triangles(attributes: &str, indices: usize, material: usize) -> String {
+    format!(r#""attributes":{{{attributes}}},"indices":{indices},"material":{material}"#)
 }
 
 const POSITIONS: [f32; 12] = [-1.0, -1.0, 0.0, 1.0, -1.0, 0.0, 1.0, 1.0, 0.0, -1.0, 1.0, 0.0];
@@ -279,7 +284,7 @@ impl Model {
     fn draw(&mut self, material: usize) {
         let attributes = self.square();
         let indices = self.indices(&[0, 1, 2, 0, 2, 3]);
-        self.place(&format!(r#""attributes":{{{attributes}}},"indices":{indices},"material":{material}"#), "");
+        self.place(&triangles(&attributes, indices, material), "");
     }
 
     /// Loads it from a file, as a user would.
@@ -377,6 +382,7 @@ fn all_five_textures_have_their_effect() {
     let half = model.texture(&[[128, 255, 255, 255]]);
     let pbr = |rest: &str| format!(r#""pbrMetallicRoughness":{{"metallicFactor":0,"roughnessFactor":1{rest}}}"#);
     let plain = pbr("");
+    let strong = r#""KHR_materials_emissive_strength":{"emissiveStrength":5}"#;
     let materials = [
         // 0: the base colour, alone.
         format!(r#""pbrMetallicRoughness":{{"baseColorTexture":{{"index":{two}}}}}{UNLIT}"#),
@@ -396,9 +402,7 @@ fn all_five_textures_have_their_effect() {
         // 11 to 13: emission by factor, by factor and map, and stronger.
         format!(r#"{plain},"emissiveFactor":[0,0,1]"#),
         format!(r#"{plain},"emissiveFactor":[1,0,1],"emissiveTexture":{{"index":{two}}}"#),
-        format!(
-            r#"{plain},"emissiveFactor":[0,0,1],"extensions":{{"KHR_materials_emissive_strength":{{"emissiveStrength":5}}}}"#
-        ),
+        format!(r#"{plain},"emissiveFactor":[0,0,1],"extensions":{{{strong}}}"#),
     ];
     for material in &materials {
         let material = model.material(material);
@@ -435,7 +439,7 @@ fn masks_have_holes_and_sides_are_as_said() {
         format!(r#""alphaMode":"MASK","pbrMetallicRoughness":{{{base}}}{UNLIT}{rest}"#)
     };
     let red = unlit([1.0, 0.0, 0.0, 1.0]);
-    // 0: half of it is hole. 1, 2: an alpha of 100 under the default cutoff and over a lower one. 3: opaque all the same.
+    // 0: half of it is hole. 1, 2: an alpha of 100 under the default cutoff and over a lower one. 3: opaque anyway.
     let materials = [
         masked(half, ""),
         masked(faint, ""),
@@ -451,7 +455,7 @@ fn masks_have_holes_and_sides_are_as_said() {
     for material in [one, both] {
         let attributes = model.square();
         let indices = model.indices(&[0, 2, 1, 0, 3, 2]);
-        model.place(&format!(r#""attributes":{{{attributes}}},"indices":{indices},"material":{material}"#), "");
+        model.place(&triangles(&attributes, indices, material), "");
     }
     model.draw(0);
     let blue = model.material(&unlit([0.0, 0.0, 1.0, 1.0]));
@@ -487,19 +491,17 @@ fn back_sides_and_mirrored_nodes_are_lit_like_fronts() {
     let mut model = Model::default();
     let two = model.texture(&[[255, 128, 128, 255], [128, 255, 128, 255]]);
     let up = model.texture(&[[128, 230, 204, 255]]);
-    let lit = format!(
-        r#""doubleSided":true,"pbrMetallicRoughness":{{"metallicFactor":0,"baseColorTexture":{{"index":{two}}}}},"normalTexture":{{"index":{up}}}"#
-    );
-    let material = model.material(&lit);
-    let single = model.material(&lit.replace(r#""doubleSided":true,"#, ""));
+    let pbr = format!(r#"{{"metallicFactor":0,"baseColorTexture":{{"index":{two}}}}}"#);
+    let lit = format!(r#""pbrMetallicRoughness":{pbr},"normalTexture":{{"index":{up}}}"#);
+    let material = model.material(&format!(r#"{lit},"doubleSided":true"#));
+    let single = model.material(&lit);
     let primitive = |model: &mut Model, material: usize, normal: f32, indices: [u16; 6]| {
         let positions = model.floats("VEC3", &POSITIONS);
         let normals = model.floats("VEC3", &[0.0, 0.0, normal].repeat(4));
         let uvs = model.floats("VEC2", &UVS);
         let indices = model.indices(&indices);
-        format!(
-            r#""attributes":{{"POSITION":{positions},"NORMAL":{normals},"TEXCOORD_0":{uvs}}},"indices":{indices},"material":{material}"#
-        )
+        let attributes = format!(r#""POSITION":{positions},"NORMAL":{normals},"TEXCOORD_0":{uvs}"#);
+        triangles(&attributes, indices, material)
     };
     let (front, back) = ([0, 1, 2, 0, 2, 3], [0, 2, 1, 0, 3, 2]);
     // 0: the front. 1: from behind, with the normal away from the eye. 2, 3: mirrored in x, one-sided and two-sided.
@@ -557,10 +559,7 @@ fn vertex_colors_texture_transforms_and_unlit() {
     let colors = model.floats("VEC4", &[0., 0., 0., 1., 1., 0., 0., 1., 1., 1., 0., 1., 0., 1., 0., 1.]);
     let attributes = model.square();
     let indices = model.indices(&[0, 1, 2, 0, 2, 3]);
-    model.place(
-        &format!(r#""attributes":{{{attributes},"COLOR_0":{colors}}},"indices":{indices},"material":{white}"#),
-        "",
-    );
+    model.place(&triangles(&format!(r#"{attributes},"COLOR_0":{colors}"#), indices, white), "");
     let row = Row::of(model.load("transforms", None), 6);
     assert_near(row.at(0, 0.25, 0.5), GREEN, "offset");
     assert_near(row.at(0, 0.75, 0.5), RED, "offset");
@@ -590,18 +589,17 @@ fn odd_geometry_fills_its_square() {
     collapsed[6..9].copy_from_slice(&POSITIONS[..3]);
     let place = model.bytes(&[2, 0]);
     let value = model.bytes(bytemuck::cast_slice(&POSITIONS[6..9]));
-    let sparse = format!(
-        r#","sparse":{{"count":1,"indices":{{"bufferView":{place},"componentType":5123}},"values":{{"bufferView":{value}}}}}"#
-    );
+    let moved = format!(r#""indices":{{"bufferView":{place},"componentType":5123}},"values":{{"bufferView":{value}}}"#);
+    let sparse = format!(r#","sparse":{{"count":1,{moved}}}"#);
     let sparse = model.accessor("VEC3", 5126, 4, bytemuck::cast_slice(&collapsed), &sparse);
     let positions = model.floats("VEC3", &POSITIONS);
     let list: Vec<f32> = [0, 1, 2, 0, 2, 3].iter().flat_map(|&i| POSITIONS[3 * i..3 * i + 3].to_vec()).collect();
     let list = model.floats("VEC3", &list);
-    let [triangles, strip, fan] =
+    let [list_of_two, strip, fan] =
         [vec![0, 1, 2, 0, 2, 3], vec![0, 1, 3, 2], vec![0, 1, 2, 3]].map(|i| model.indices(&i));
     for (positions, rest) in [
-        (quantized, format!(r#","indices":{triangles}"#)),
-        (sparse, format!(r#","indices":{triangles}"#)),
+        (quantized, format!(r#","indices":{list_of_two}"#)),
+        (sparse, format!(r#","indices":{list_of_two}"#)),
         (positions, format!(r#","indices":{strip},"mode":5"#)),
         (positions, format!(r#","indices":{fan},"mode":6"#)),
         (list, String::new()),
@@ -711,12 +709,8 @@ fn wrap_modes_of_a_file() {
         let positions = model.floats("VEC3", &POSITIONS);
         let uvs = model.floats("VEC2", &uvs);
         let indices = model.indices(&[0, 1, 2, 0, 2, 3]);
-        model.place(
-            &format!(
-                r#""attributes":{{"POSITION":{positions},"TEXCOORD_0":{uvs}}},"indices":{indices},"material":{material}"#
-            ),
-            "",
-        );
+        let attributes = format!(r#""POSITION":{positions},"TEXCOORD_0":{uvs}"#);
+        model.place(&triangles(&attributes, indices, material), "");
     }
     let row = Row::of(model.load("wraps", None), 3);
     let expected = [
