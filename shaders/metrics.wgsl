@@ -29,6 +29,17 @@ fn daa_depth(x: i32, y: i32) -> f32 {
     return daa_depths[(y + 1) * (i32(DAA_M) + 2) + x + 1];
 }
 
+/// Whether no sample of the window has a surface.
+fn daa_all_sky() -> bool {
+    var nearest = 0.0;
+    for (var y = 0; y < i32(DAA_M); y++) {
+        for (var x = 0; x < i32(DAA_M); x++) {
+            nearest = max(nearest, daa_depth(x, y));
+        }
+    }
+    return nearest == 0.0;
+}
+
 /// The variance of the window's depths over their squared mean. Shifted by the first depth, since E[d²] − E[d]²
 /// cancels far from zero (Chan, Golub, LeVeque 1983). Depth is the reversed-z buffer's, linear in screen space.
 fn daa_depth_variance() -> f32 {
@@ -184,7 +195,8 @@ fn daa_metrics_main(
         by = select(by, DAA_BY_NORMAL, wanted > k);
         k = max(k, wanted);
     }
-    if daa_frame.luminance_scale > 0.0 {
+    // A window of sky has nothing to resolve, however steep its gradient.
+    if daa_frame.luminance_scale > 0.0 && !daa_all_sky() {
         let wanted = daa_frame.luminance_scale * daa_luminance_range(vec2i(id.xy));
         by = select(by, DAA_BY_LUMINANCE, wanted > k);
         k = max(k, wanted);

@@ -118,7 +118,7 @@ impl FrameUniform {
             flags: flags.iter().map(|&(on, bit)| if on { bit } else { 0 }).sum(),
             depth_scale: w.depth_scale,
             normal_scale: w.normal_scale,
-            luminance_scale: w.luminance_scale,
+            luminance_scale: w.luminance_scale * m as f32 / 4.0,
             luminance_min: w.luminance_min,
             luminance_edge: w.luminance_edge,
             identity_samples: w.identity_samples,

@@ -60,8 +60,9 @@ pub struct Windowed {
     pub normal_scale: f32,
     /// Normals that point the opposite way count as equal: the paper's |n̄·n|. For leaves drawn as one-sided planes.
     pub two_sided: bool,
-    /// Samples per unit of luminance range over the neighbouring first samples (section 3.1), 0 to 1e6. Higher: more
-    /// samples at edges of light and texture. Lower: fewer; 0: off.
+    /// Samples per unit of luminance range over the neighbouring first samples (section 3.1), 0 to 1e6, at m = 4; m/4 of it
+    /// at other m, as an edge crosses m samples of a side. Higher: more samples at edges of light and texture. Lower: fewer;
+    /// 0: off. Windows of sky alone keep k = 1.
     pub luminance_scale: f32,
     /// Ranges below are no edge, 0 to 1e6. Higher: less work in dark noise; lower: fainter edges are seen. FXAA's
     /// published range is 0.0312 to 0.0833.
@@ -210,7 +211,7 @@ impl Default for Windowed {
             depth_scale: 4000.0,
             normal_scale: 24.0,
             two_sided: false,
-            luminance_scale: 77.0,
+            luminance_scale: 110.0,
             luminance_min: 0.01,
             luminance_edge: 0.02,
             luminance: LuminanceCurve::Perceptual,

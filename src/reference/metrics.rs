@@ -189,8 +189,9 @@ impl Input<'_> {
             let cone = self.normal_cone(px, py, w.two_sided);
             ask(if cone > 1.9 { n } else { f64::from(w.normal_scale) * cone }, By::Normal);
         }
-        if w.luminance_scale > 0.0 {
-            ask(f64::from(w.luminance_scale) * self.luminance_range(px, py, w), By::Luminance);
+        let all_sky = self.samples(px, py).all(|(x, y)| self.is_sky(x, y));
+        if w.luminance_scale > 0.0 && !all_sky {
+            ask(f64::from(w.luminance_scale) * self.m as f64 / 4.0 * self.luminance_range(px, py, w), By::Luminance);
         }
         if w.identity_samples > 0.0 && self.mixed_identity(px, py) {
             ask(f64::from(w.identity_samples), By::Identity);

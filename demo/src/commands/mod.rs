@@ -168,6 +168,10 @@ fn say(line: &str) {
 /// Loads by name or path.
 pub fn open_scene(name: &str, index: Option<usize>) -> Result<Scene, CommandError> {
     if let Some(scene) = builtin::builtin(name) {
+        if let Some(index) = index {
+            let problem = format!("{index}: the built-in scene '{name}' is a single one; leave it out");
+            return Err(CommandError::Argument { argument: "--scene-index".to_owned(), problem });
+        }
         return Ok(scene);
     }
     let path = Path::new(name);

@@ -57,7 +57,14 @@ pub fn load(path: &Path, scene_index: Option<usize>) -> Result<Scene, LoadError>
 fn parse(file: &[u8], path: &Path, scene_index: Option<usize>) -> Result<Scene, Problem> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let (json, bin) = container::split(file)?;
-    let root: Root = serde_json::from_slice(json)?;
+    let mut tree: serde_json::Value = serde_json::from_slice(json)?;
+    // A scene without nodes is empty, and the parser wants that said.
+    for scene in tree.get_mut("scenes").and_then(|s| s.as_array_mut()).into_iter().flatten() {
+        if let Some(scene) = scene.as_object_mut() {
+            scene.entry("nodes").or_insert_with(|| serde_json::Value::Array(Vec::new()));
+        }
+    }
+    let root: Root = serde_json::from_value(tree)?;
     let mut notices = Vec::new();
     check_version(&root)?;
     check_extensions(&root, &mut notices)?;
@@ -239,6 +246,7 @@ impl<'a> Assembly<'a> {
         };
         if self.lights.is_empty() {
             scene.sun = Some(Sun::default());
+            scene.lights = scene.bounds().map(|bounds| lights::rig(&bounds)).unwrap_or_default();
         } else {
             let (centre, radius) = scene.bounds().map_or((Vec3::ZERO, 1.0), |b| (b.centre(), b.radius()));
             if let Some(factor) = lights::expose(&mut self.lights, centre, radius) {

@@ -12,7 +12,7 @@ use gltf::json::extensions::scene::khr_lights_punctual as json;
 use gltf::json::validation::Checked;
 
 use crate::scene::vectors::unit;
-use crate::scene::{Light, LightKind, Sun};
+use crate::scene::{Bounds, Light, LightKind, Sun};
 
 /// Irradiance in the middle of the scene that is left as it is.
 const SENSIBLE: std::ops::RangeInclusive<f32> = 0.2..=20.0;
@@ -66,6 +66,26 @@ pub(super) fn expose(lights: &mut [Light], centre: Vec3, radius: f32) -> Option<
         light.intensity *= factor;
     }
     Some(factor)
+}
+
+/// What lights a scene that brings no light, beside the sun: five lamps along its middle, warm and cool in turn. Each gives
+/// white paper a radiance of about a half at a quarter of the scene's height away.
+pub(super) fn rig(bounds: &Bounds) -> Vec<Light> {
+    const WARM: Vec3 = Vec3::new(1.0, 0.72, 0.42);
+    const COOL: Vec3 = Vec3::new(0.5, 0.7, 1.0);
+    let size = bounds.max - bounds.min;
+    let along = if size.x >= size.z { Vec3::X * size.x } else { Vec3::Z * size.z };
+    let distance = size.y.max(size.min_element()).max(size.max_element() * 0.05) * 0.25;
+    (0..5u8)
+        .map(|i| Light {
+            kind: LightKind::Point,
+            position: bounds.centre() + along * (f32::from(i) - 2.0) * 0.2 - Vec3::Y * size.y * 0.15,
+            direction: Vec3::NEG_Y,
+            intensity: if i % 2 == 0 { WARM } else { COOL } * (FRAC_PI_2 * distance * distance),
+            range: f32::INFINITY,
+        })
+        .filter(|light| light.position.is_finite() && light.intensity.is_finite())
+        .collect()
 }
 
 /// Takes the first directional light out of `lights`.
