@@ -5,7 +5,7 @@ use deferred_aa::reference::octahedral;
 use deferred_aa::{
     BINDING_FEATURES, Camera, DeferredAa, Descriptor, Frame, GBuffer, RecordError, Settings, Shading, Statistics,
     TextureTier, gbuffer,
-    glam::{DVec3, Mat4, Vec2, Vec3, Vec4},
+    glam::{DVec3, Mat4, Vec2, Vec3, Vec4, camera::rh::proj::directx},
     wgpu,
 };
 use deferred_aa_demo::gpu::{self, Gpu};
@@ -104,7 +104,7 @@ pub struct Output {
 }
 
 pub fn camera(aspect: f32) -> Camera {
-    let clip_from_view = deferred_aa::glam::camera::rh::proj::directx::perspective_infinite_reverse(1.0, aspect, 0.1);
+    let clip_from_view = directx::perspective_infinite_reverse(1.0, aspect, 0.1);
     Camera { world_from_view: Mat4::IDENTITY, clip_from_view }
 }
 

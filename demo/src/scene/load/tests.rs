@@ -127,7 +127,8 @@ fn a_bare_triangle_gets_all_attributes() {
     assert_eq!(mesh.normals, [Vec3::Z; 3]);
     assert_eq!(mesh.colors, [Vec4::ONE; 3]);
     assert_eq!(scene.materials.len(), 1);
-    assert!(scene.sun.is_some() && scene.lights.is_empty() && scene.notices.is_empty());
+    // Without lights of its own it gets a sun and lamps.
+    assert!(scene.sun.is_some() && scene.lights.len() == 5 && scene.notices.is_empty());
 }
 
 #[test]
