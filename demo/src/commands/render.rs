@@ -57,7 +57,15 @@ impl Render {
             };
             Some(quality::compare(&image, &reference, Some(&host.edge_mask()))?)
         };
-        image.write_png(&out.join("image.png"))?;
+        if settings.view == DebugView::Image {
+            image.write_png(&out.join("image.png"))?;
+        } else {
+            // A debug view is made of displayable values, not of radiance.
+            let bytes =
+                image.rgba.iter().flat_map(|c| [c[0], c[1], c[2]].map(|v| (v.clamp(0.0, 1.0) * 255.0 + 0.5) as u8));
+            let shown = image::RgbImage::from_raw(width, height, bytes.collect()).unwrap_or_default();
+            picture::write_png(&shown, &out.join("image.png"))?;
+        }
         image.write_exr(&out.join("image.exr"))?;
         picture::write_png(&picture::heat_map(&counts, width, height, n)?, &out.join("samples.png"))?;
         if let Some(stats) = Stats::new(&host, settings, &shots, quality) {
