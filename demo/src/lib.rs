@@ -10,6 +10,7 @@ pub mod host;
 #[cfg(test)]
 mod layouts;
 pub mod mips;
+pub mod names;
 pub mod picture;
 pub mod quality;
 pub mod raster;
