@@ -85,6 +85,16 @@ pub enum HostError {
     /// Statistics did not arrive.
     #[error("the device returned no statistics; it may have been lost")]
     NoStatistics,
+    /// An image that a peer was not made for.
+    #[error("{peer}: the image is {}x{}, the peers are for {}x{}: make them anew", image.0, image.1, size.0, size.1)]
+    PeerSize {
+        /// Its name.
+        peer: &'static str,
+        /// Width and height of the image.
+        image: (u32, u32),
+        /// Width and height that the peers are for.
+        size: (u32, u32),
+    },
 }
 
 #[repr(C)]
@@ -166,7 +176,9 @@ impl Host {
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
             format: TARGET_FORMAT,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT
+                | wgpu::TextureUsages::TEXTURE_BINDING
+                | wgpu::TextureUsages::COPY_SRC,
             view_formats: &[],
         });
         let target_view = target.create_view(&wgpu::TextureViewDescriptor::default());
@@ -178,7 +190,11 @@ impl Host {
     /// Renders the G-buffer and records the node, then waits for both. The image is in the target: see
     /// [`picture`](Self::picture).
     pub fn frame(&mut self, camera: &Camera, settings: Settings) -> Result<Shot, HostError> {
-        let camera = node_camera(camera, self.options.width, self.options.height);
+        self.frame_with(node_camera(camera, self.options.width, self.options.height), settings)
+    }
+
+    /// [`frame`](Self::frame) by a camera that may be off-centre.
+    pub fn frame_with(&mut self, camera: deferred_aa::Camera, settings: Settings) -> Result<Shot, HostError> {
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         if let Some(gbuffer) = self.aa.gbuffer() {
             self.raster.record(&self.gpu.queue, &mut encoder, &self.scene, &self.uploaded, &camera, gbuffer);
@@ -198,6 +214,11 @@ impl Host {
         self.complaints()?;
         let statistics = self.aa.statistics().ok_or(HostError::NoStatistics)?.clone();
         Ok(Shot { statistics, gbuffer_ms: self.raster.milliseconds(&self.gpu) })
+    }
+
+    /// The target: linear HDR in [`TARGET_FORMAT`], the image of the last frame.
+    pub fn target(&self) -> &wgpu::TextureView {
+        &self.target_view
     }
 
     /// The target's content. Waits.
@@ -248,10 +269,7 @@ impl Host {
     }
 
     fn complaints(&self) -> Result<(), HostError> {
-        match self.gpu.take_errors().first() {
-            None => Ok(()),
-            Some(e) => Err(HostError::Device(e.split_whitespace().collect::<Vec<_>>().join(" "))),
-        }
+        self.gpu.complaint().map_or(Ok(()), |complaint| Err(HostError::Device(complaint)))
     }
 }
 

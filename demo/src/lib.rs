@@ -11,6 +11,7 @@ pub mod host;
 mod layouts;
 pub mod mips;
 pub mod names;
+pub mod peers;
 pub mod picture;
 pub mod quality;
 pub mod raster;
