@@ -6,8 +6,8 @@ use crate::raster::{Raster, node_camera};
 use crate::scene::{Camera, Scene};
 use crate::upload::{GpuScene, UploadError};
 use deferred_aa::{
-    BuildError, DeferredAa, Descriptor, Frame, RecordError, Settings, Shading, SizeError, Statistics, Technique,
-    TextureTier,
+    BuildError, DeferredAa, Descriptor, Frame, GBuffer, RecordError, Settings, Shading, SizeError, Statistics,
+    Technique, TextureTier,
 };
 
 /// Of the target: linear HDR, as most engines have it.
@@ -232,9 +232,10 @@ impl Host {
     /// Pixels whose window holds two objects, materials or a crease: where aliasing lives. A crease is an angle between
     /// normals of more than 18°.
     pub fn edge_mask(&self) -> Vec<bool> {
-        let Some(gbuffer) = self.aa.gbuffer() else { return Vec::new() };
-        let bytes = self.gpu.read_texture(gbuffer.color[0].texture(), 8);
-        let surface: &[[u32; 2]] = bytemuck::cast_slice(&bytes);
+        let surface = self.surfaces();
+        if surface.is_empty() {
+            return Vec::new();
+        }
         let m = self.options.m as usize;
         let (width, height) = (self.options.width as usize, self.options.height as usize);
         let mut mask = Vec::with_capacity(width * height);
@@ -250,6 +251,19 @@ impl Host {
             }
         }
         mask
+    }
+
+    /// The first target of the last frame's G-buffer, rows from the top: normal (octahedral 16+16), material and object.
+    /// Waits.
+    pub fn surfaces(&self) -> Vec<[u32; 2]> {
+        let read = |g: &GBuffer| self.gpu.read_texture(g.color[0].texture(), 8);
+        self.aa.gbuffer().map_or(Vec::new(), |g| bytemuck::pod_collect_to_vec(&read(g)))
+    }
+
+    /// The depth target of the last frame's G-buffer, rows from the top: reversed z, 0 is the sky. Waits.
+    pub fn depths(&self) -> Vec<f32> {
+        let read = |g: &GBuffer| self.gpu.read_texture(g.depth.texture(), 4);
+        self.aa.gbuffer().map_or(Vec::new(), |g| bytemuck::pod_collect_to_vec(&read(g)))
     }
 
     /// k of each pixel in the last frame, whose technique is given.
@@ -273,7 +287,8 @@ impl Host {
     }
 }
 
-fn octahedral(code: u32) -> glam::Vec3 {
+/// The unit vector of a 16+16-bit code of the G-buffer.
+pub(crate) fn octahedral(code: u32) -> glam::Vec3 {
     let snorm = |c: u32| (f32::from(c as u16 as i16) / 32767.0).max(-1.0);
     let (x, y) = (snorm(code), snorm(code >> 16));
     let z = 1.0 - x.abs() - y.abs();
