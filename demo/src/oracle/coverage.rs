@@ -195,7 +195,8 @@ mod tests {
     #[test]
     fn two_flat_colours_come_out_exact() {
         // A 4 × 4 window, five samples of which are another object: two samples make what sixteen do.
-        let colors = |i: usize| if i % 4 == 0 || i == 7 { [1.0, 2.0, 3.0, 1.0] } else { [0.0, 0.5, 0.25, 1.0] };
+        let colors =
+            |i: usize| if i.is_multiple_of(4) || i == 7 { [1.0, 2.0, 3.0, 1.0] } else { [0.0, 0.5, 0.25, 1.0] };
         let colors = Picture::new(4, 4, (0..16).map(colors).collect()).unwrap();
         let object = |i: usize| Sample { identity: Some(u32::from(i.is_multiple_of(4) || i == 7)), ..WALL };
         let (shaded, picture) = reconstruct(&colors, &Geometry((0..16).map(object).collect()), 4).unwrap();
