@@ -154,6 +154,26 @@ mod tests {
     const SKY: Sample = Sample { position: DVec3::ZERO, normal: DVec3::ZERO, identity: None };
 
     #[test]
+    fn samples_are_where_the_camera_saw_them() {
+        use crate::raster::{look_at, node_camera};
+        use glam::Vec3;
+        // A view along −x, 90° high, whose right is −z. A depth of near/z is z ahead.
+        let camera = look_at(Vec3::new(5.0, 1.0, 2.0), Vec3::new(0.0, 1.0, 2.0), std::f32::consts::FRAC_PI_2, 0.5);
+        let camera = node_camera(&camera, 4, 2);
+        let colors = Picture::new(4, 2, vec![[0.0; 4]; 8]).unwrap();
+        // Octahedral code 0 is +z.
+        let mut depths = [0.05; 8];
+        depths[3] = 0.0;
+        let found = Geometry::new(&colors, &[[0, 7]; 8], &depths, &camera).0;
+        assert!(found[3].identity.is_none() && found[2].identity == Some(7));
+        // Ten ahead the view is 20 high and 40 wide: pixels of 10.
+        let top_left = DVec3::new(-15.0, 5.0, -10.0);
+        assert!((found[0].position - top_left).length() < 1e-4, "{:?}", found[0]);
+        assert!((found[6].position - DVec3::new(5.0, -5.0, -10.0)).length() < 1e-4, "{:?}", found[6]);
+        assert!((found[0].normal - DVec3::NEG_X).length() < 1e-4, "{:?}", found[0]);
+    }
+
+    #[test]
     fn what_parts_surfaces() {
         let tilted = |degrees: f64| DVec3::new(degrees.to_radians().sin(), 0.0, degrees.to_radians().cos());
         let at = |x, z| DVec3::new(x, 0.0, z);
