@@ -40,13 +40,18 @@ pub enum GpuError {
     },
 }
 
+/// The backends whose adapters meet the requirements; dependencies of ours compile others in.
+const BACKENDS: wgpu::Backends = wgpu::Backends::PRIMARY;
+
 fn instance() -> wgpu::Instance {
-    wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env())
+    let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
+    descriptor.backends &= BACKENDS;
+    wgpu::Instance::new(descriptor)
 }
 
 /// All adapters that wgpu finds.
 pub fn adapters() -> Vec<wgpu::Adapter> {
-    pollster::block_on(instance().enumerate_adapters(wgpu::Backends::all()))
+    pollster::block_on(instance().enumerate_adapters(BACKENDS))
 }
 
 /// The adapter whose name holds `name`, else the one that wgpu prefers, software at last.
@@ -99,6 +104,11 @@ impl Gpu {
     /// Everything that wgpu complained of since the last call. Empty in a sound program.
     pub fn take_errors(&self) -> Vec<String> {
         std::mem::take(&mut *self.errors.lock().unwrap_or_else(std::sync::PoisonError::into_inner))
+    }
+
+    /// The first of [`take_errors`](Self::take_errors), in one line.
+    pub fn complaint(&self) -> Option<String> {
+        self.take_errors().first().map(|e| e.split_whitespace().collect::<Vec<_>>().join(" "))
     }
 
     /// Waits until the GPU has done what was submitted, so that callbacks have run.
