@@ -2,6 +2,7 @@
 
 mod adapters;
 mod demo;
+mod goal;
 mod render;
 mod set;
 
