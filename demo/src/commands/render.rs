@@ -1,10 +1,8 @@
 //! `render`: one technique on one view, with everything that it wrote.
 
 use super::{CommandError, ViewArgs, goal, parse_technique, say, set};
-use crate::host::{Host, HostError};
 use crate::picture;
 use crate::quality;
-use crate::scene::Camera;
 use crate::stats::Stats;
 use deferred_aa::{DebugView, Goal, Settings, Technique};
 use std::path::Path;
