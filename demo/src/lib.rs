@@ -13,6 +13,7 @@ pub mod mips;
 pub mod picture;
 pub mod quality;
 pub mod raster;
+pub mod report;
 pub mod scene;
 pub mod stats;
 pub mod upload;

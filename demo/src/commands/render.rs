@@ -30,7 +30,7 @@ impl Render {
     pub fn run(self) -> Result<(), CommandError> {
         let settings = set::apply(Settings { technique: self.technique, ..Default::default() }, &self.settings)?;
         let (mut host, camera) = self.view.open()?;
-        let out = &self.view.out;
+        let out = &self.view.scene.out;
 
         let mut shots = Vec::new();
         for frame in 0..=self.frames.max(1) {

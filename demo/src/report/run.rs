@@ -1,0 +1,154 @@
+//! The order of a report.
+
+use super::cost::{self, Cost};
+use super::executions::{ExecutionRow, executions};
+use super::measure::{self, References};
+use super::plan::{self, Planned};
+use super::schema::{Crop, Entry, Frontier, Report, ReportAdapter, TruthInfo, VERSION};
+use super::session::{Request, Session};
+use super::{ReportError, fit, images, page, truth, variants};
+use crate::picture::Picture;
+use crate::stats::Adapter;
+use std::collections::BTreeSet;
+
+/// What is finished so far.
+#[derive(Debug, Default)]
+struct Finished {
+    truth: Option<(Picture, TruthInfo)>,
+    entries: Vec<Entry>,
+    executions: Vec<ExecutionRow>,
+    cost: Option<Cost>,
+}
+
+/// The entries of a request.
+pub fn plan_of(request: &Request) -> Vec<Planned> {
+    plan::plan(&request.ms, &request.techniques, request.base, request.quick)
+}
+
+/// Parts of work of a plan, for the progress bar.
+pub fn parts(plan: &[Planned]) -> usize {
+    // Truth, executions, page.
+    sides(plan).len() + cost::CURVES + 3
+}
+
+/// Bytes of the files that a plan writes, about.
+pub fn bytes(request: &Request, plan: &[Planned]) -> u64 {
+    // 12 of linear floats and three 8-bit pictures that hardly compress; the truth twice, once in the cache.
+    let pixels = u64::from(request.width) * u64::from(request.height);
+    pixels * (12 + 9) * (plan.len() as u64 + 2) + (32 << 20)
+}
+
+/// Does the work and writes report.json and report.html. Where the user stops it or the device goes away, both hold what
+/// is finished, and the error says how to go on.
+pub fn run(session: &mut Session) -> Result<Report, ReportError> {
+    let plan = plan_of(&session.request);
+    let mut finished = Finished::default();
+    let stopped = match work(session, &plan, &mut finished) {
+        Err(e) if !e.keeps_what_is_finished() => return Err(e),
+        result => result.err(),
+    };
+    let order = |e: &Entry| plan.iter().position(|p| p.id == e.id);
+    finished.entries.sort_by_key(order);
+    let report = session.part("page", |session| write(session, &plan, finished))?;
+    session.done();
+    match stopped {
+        None => Ok(report),
+        Some(why) => Err(ReportError::Unfinished {
+            why: why.to_string(),
+            kept: report.entries.len(),
+            planned: plan.len(),
+            folder: session.folder.path().to_owned(),
+        }),
+    }
+}
+
+fn work(session: &mut Session, plan: &[Planned], finished: &mut Finished) -> Result<(), ReportError> {
+    let (entries, left) = measure::sort_out(session, plan);
+    finished.entries = entries;
+    let side = if session.request.quick { 16 } else { 32 };
+    let truth = session.part("truth", |session| truth::truth(session, side))?;
+    finished.truth = Some(truth.clone());
+    let mut references = References { truth: truth.0, edges: None };
+    let largest = session.request.ms.iter().copied().max().unwrap_or(1);
+    // The largest m first: its edges are everyone's.
+    for m in sides(plan).into_iter().rev() {
+        let left: Vec<_> = left.iter().filter(|p| p.m == m).cloned().collect();
+        session.part(&format!("m = {m}"), |session| {
+            if m < largest && !left.is_empty() && references.edges.is_none() {
+                references.edges = Some(measure::edges(session, largest)?);
+            }
+            measure::measure(session, &left, &mut references, |entry| finished.entries.push(entry))
+        })?;
+    }
+    if session.request.techniques.contains(&"windowed") && largest > 1 {
+        finished.executions = session.part("executions", |session| executions(session, largest))?;
+    }
+    finished.cost = Some(cost::cost(session)?);
+    Ok(())
+}
+
+/// Of the windows' sides, the rising ones that the plan has.
+fn sides(plan: &[Planned]) -> BTreeSet<u32> {
+    plan.iter().map(|p| p.m).collect()
+}
+
+fn write(session: &mut Session, plan: &[Planned], finished: Finished) -> Result<Report, ReportError> {
+    let Finished { truth, entries, executions, cost } = finished;
+    let crops = match (&truth, images::judged(&entries)) {
+        (Some((truth, _)), Some(entry)) => images::worst(session, entry, truth)?,
+        _ => Vec::new(),
+    };
+    let report = report(session, plan, truth.map(|(_, info)| info), entries, executions, cost, crops);
+    session.folder.write_json(&session.folder.file("report.json"), &report)?;
+    let images = match &report.truth {
+        Some(_) => images::images(session, &report.entries, &report.crops)?,
+        None => images::Images::default(),
+    };
+    page::write(&session.folder, &report, &images)?;
+    Ok(report)
+}
+
+fn report(
+    session: &Session,
+    plan: &[Planned],
+    truth: Option<TruthInfo>,
+    entries: Vec<Entry>,
+    executions: Vec<ExecutionRow>,
+    cost: Option<Cost>,
+    crops: Vec<Crop>,
+) -> Report {
+    let Request { ref command, width, height, stall, quick, .. } = session.request;
+    let scene = &session.scene;
+    let is_there = |p: &&Planned| entries.iter().any(|e| e.id == p.id);
+    Report {
+        version: VERSION,
+        command: command.clone(),
+        scene: scene.name.clone(),
+        width,
+        height,
+        stall,
+        quick,
+        lights: scene.lights.len() as u32 + u32::from(scene.sun.is_some()),
+        triangles: variants::triangles(scene),
+        adapter: ReportAdapter { adapter: Adapter::of(&session.gpu), software: session.software() },
+        truth,
+        oracles: Vec::new(),
+        frontier: frontier(&entries),
+        executions,
+        cost,
+        goals: Vec::new(),
+        crops,
+        unfinished: plan.iter().filter(|p| !is_there(p)).map(|p| p.id.clone()).collect(),
+        seconds: session.seconds.clone(),
+        entries,
+    }
+}
+
+fn frontier(entries: &[Entry]) -> Frontier {
+    let by = |cost: &dyn Fn(&Entry) -> Option<f64>| {
+        let there: Vec<_> = entries.iter().filter_map(|e| Some((e, (cost(e)?, e.error()?)))).collect();
+        let points: Vec<_> = there.iter().map(|(_, point)| *point).collect();
+        fit::frontier(&points).into_iter().map(|i| there[i].0.id.clone()).collect()
+    };
+    Frontier { time: by(&Entry::total_ms), samples: by(&|e| Some(e.stats.samples.mean_k)) }
+}
