@@ -207,8 +207,11 @@ fn point(session: &Session, host: &mut Host, base: Base, x: f64) -> Result<Point
     })
 }
 
+/// A time of a point.
+type Time = fn(&Point) -> Option<f64>;
+
 fn fits(curve: &[Point]) -> BTreeMap<String, Fit> {
-    let times: [(&str, fn(&Point) -> Option<f64>); 6] = [
+    let times: [(&str, Time); 6] = [
         ("full_ms", |p| p.full_ms),
         ("single_ms", |p| p.single_ms),
         ("windowed_ms", |p| p.windowed_ms),
@@ -216,9 +219,9 @@ fn fits(curve: &[Point]) -> BTreeMap<String, Fit> {
         ("single_total_ms", |p| p.single_total_ms),
         ("windowed_total_ms", |p| p.windowed_total_ms),
     ];
-    let fit = |of: fn(&Point) -> Option<f64>| {
-        let points: Vec<_> = curve.iter().filter_map(|p| Some((p.x, of(p)?))).collect();
+    let fit = |time: Time| {
+        let points: Vec<_> = curve.iter().filter_map(|p| Some((p.x, time(p)?))).collect();
         fit::power_law(&points)
     };
-    times.into_iter().filter_map(|(name, of)| Some((name.to_owned(), fit(of)?))).collect()
+    times.into_iter().filter_map(|(name, time)| Some((name.to_owned(), fit(time)?))).collect()
 }

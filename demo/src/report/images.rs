@@ -1,8 +1,8 @@
 //! Pictures for the page, and maps.
 
+use super::ReportError;
 use super::schema::{Crop, Entry};
 use super::session::Session;
-use super::ReportError;
 use crate::picture::{self, Picture, PictureError};
 use base64::Engine as _;
 use deferred_aa::Technique;
