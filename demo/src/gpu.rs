@@ -41,13 +41,18 @@ pub enum GpuError {
     },
 }
 
+/// The backends whose adapters meet the requirements; dependencies of ours compile others in.
+const BACKENDS: wgpu::Backends = wgpu::Backends::PRIMARY;
+
 fn instance() -> wgpu::Instance {
-    wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env())
+    let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
+    descriptor.backends &= BACKENDS;
+    wgpu::Instance::new(descriptor)
 }
 
 /// All adapters that wgpu finds.
 pub fn adapters() -> Vec<wgpu::Adapter> {
-    pollster::block_on(instance().enumerate_adapters(wgpu::Backends::all()))
+    pollster::block_on(instance().enumerate_adapters(BACKENDS))
 }
 
 /// The adapter whose name holds `name`, else the one that wgpu prefers, software at last.
@@ -111,6 +116,11 @@ impl Gpu {
     /// Why the device is gone, once it is: nothing that it is asked for arrives any more.
     pub fn lost(&self) -> Option<String> {
         self.lost.lock().unwrap_or_else(std::sync::PoisonError::into_inner).clone()
+    }
+
+    /// The first of [`take_errors`](Self::take_errors), in one line.
+    pub fn complaint(&self) -> Option<String> {
+        self.take_errors().first().map(|e| e.split_whitespace().collect::<Vec<_>>().join(" "))
     }
 
     /// Waits until the GPU has done what was submitted, so that callbacks have run.

@@ -6,8 +6,8 @@ use crate::raster::{Raster, node_camera};
 use crate::scene::{Camera, Scene};
 use crate::upload::{GpuScene, UploadError};
 use deferred_aa::{
-    BuildError, DeferredAa, Descriptor, Frame, RecordError, Settings, Shading, SizeError, Statistics, Technique,
-    TextureTier,
+    BuildError, DeferredAa, Descriptor, Frame, GBuffer, RecordError, Settings, Shading, SizeError, Statistics,
+    Technique, TextureTier,
 };
 
 /// Of the target: linear HDR, as most engines have it.
@@ -90,6 +90,16 @@ pub enum HostError {
     /// The device is gone.
     #[error("the graphics device was lost ({0}); start again, with a smaller --size or --m if it was out of memory")]
     Lost(String),
+    /// An image that a peer was not made for.
+    #[error("{peer}: the image is {}x{}, the peers are for {}x{}: make them anew", image.0, image.1, size.0, size.1)]
+    PeerSize {
+        /// Its name.
+        peer: &'static str,
+        /// Width and height of the image.
+        image: (u32, u32),
+        /// Width and height that the peers are for.
+        size: (u32, u32),
+    },
 }
 
 #[repr(C)]
@@ -210,11 +220,11 @@ impl Host {
     /// Renders the G-buffer and records the node, then waits for both. The image is in the target: see
     /// [`picture`](Self::picture).
     pub fn frame(&mut self, camera: &Camera, settings: Settings) -> Result<Shot, HostError> {
-        self.frame_through(node_camera(camera, self.options.width, self.options.height), settings)
+        self.frame_with(node_camera(camera, self.options.width, self.options.height), settings)
     }
 
-    /// [`frame`](Self::frame) with the node's own kind of camera, such as part of another's picture.
-    pub fn frame_through(&mut self, camera: deferred_aa::Camera, settings: Settings) -> Result<Shot, HostError> {
+    /// [`frame`](Self::frame) by a camera that may be off-centre, such as part of another's picture.
+    pub fn frame_with(&mut self, camera: deferred_aa::Camera, settings: Settings) -> Result<Shot, HostError> {
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         if let Some(gbuffer) = self.aa.gbuffer() {
             self.raster.record(&self.gpu.queue, &mut encoder, &self.scene, &self.uploaded, &camera, gbuffer);
@@ -261,8 +271,8 @@ impl Host {
         self.gpu.queue.write_buffer(&self.lighting, 0, bytemuck::bytes_of(&self.lighting_values));
     }
 
-    /// Where the image is, in [`TARGET_FORMAT`].
-    pub fn target_view(&self) -> &wgpu::TextureView {
+    /// The target: linear HDR in [`TARGET_FORMAT`], the image of the last frame.
+    pub fn target(&self) -> &wgpu::TextureView {
         &self.target_view
     }
 
@@ -277,9 +287,10 @@ impl Host {
     /// Pixels whose window holds two objects, materials or a crease: where aliasing lives. A crease is an angle between
     /// normals of more than 18°.
     pub fn edge_mask(&self) -> Vec<bool> {
-        let Some(gbuffer) = self.aa.gbuffer() else { return Vec::new() };
-        let bytes = self.gpu.read_texture(gbuffer.color[0].texture(), 8);
-        let surface: &[[u32; 2]] = bytemuck::cast_slice(&bytes);
+        let surface = self.surfaces();
+        if surface.is_empty() {
+            return Vec::new();
+        }
         let m = self.options.m as usize;
         let (width, height) = (self.options.width as usize, self.options.height as usize);
         let mut mask = Vec::with_capacity(width * height);
@@ -295,6 +306,19 @@ impl Host {
             }
         }
         mask
+    }
+
+    /// The first target of the last frame's G-buffer, rows from the top: normal (octahedral 16+16), material and object.
+    /// Waits.
+    pub fn surfaces(&self) -> Vec<[u32; 2]> {
+        let read = |g: &GBuffer| self.gpu.read_texture(g.color[0].texture(), 8);
+        self.aa.gbuffer().map_or(Vec::new(), |g| bytemuck::pod_collect_to_vec(&read(g)))
+    }
+
+    /// The depth target of the last frame's G-buffer, rows from the top: reversed z, 0 is the sky. Waits.
+    pub fn depths(&self) -> Vec<f32> {
+        let read = |g: &GBuffer| self.gpu.read_texture(g.depth.texture(), 4);
+        self.aa.gbuffer().map_or(Vec::new(), |g| bytemuck::pod_collect_to_vec(&read(g)))
     }
 
     /// k of each pixel in the last frame, whose technique is given.
@@ -317,14 +341,12 @@ impl Host {
         if let Some(why) = self.gpu.lost() {
             return Err(HostError::Lost(why));
         }
-        match self.gpu.take_errors().first() {
-            None => Ok(()),
-            Some(e) => Err(HostError::Device(e.split_whitespace().collect::<Vec<_>>().join(" "))),
-        }
+        self.gpu.complaint().map_or(Ok(()), |complaint| Err(HostError::Device(complaint)))
     }
 }
 
-fn octahedral(code: u32) -> glam::Vec3 {
+/// The unit vector of a 16+16-bit code of the G-buffer.
+pub(crate) fn octahedral(code: u32) -> glam::Vec3 {
     let snorm = |c: u32| (f32::from(c as u16 as i16) / 32767.0).max(-1.0);
     let (x, y) = (snorm(code), snorm(code >> 16));
     let z = 1.0 - x.abs() - y.abs();

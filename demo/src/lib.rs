@@ -10,10 +10,14 @@ pub mod host;
 #[cfg(test)]
 mod layouts;
 pub mod mips;
+pub mod names;
+pub mod oracle;
+pub mod peers;
 pub mod picture;
 pub mod quality;
 pub mod raster;
 pub mod report;
 pub mod scene;
 pub mod stats;
+pub mod temporal;
 pub mod upload;

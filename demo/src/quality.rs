@@ -105,6 +105,24 @@ pub enum QualityError {
         /// Row, from the top.
         y: u32,
     },
+    /// A frame of another size than those before it.
+    #[error("a frame of {found} pixels among frames of {expected}: render all at one size")]
+    Frames {
+        /// Pixels of the frames before.
+        expected: usize,
+        /// Pixels of this one.
+        found: usize,
+    },
+    /// Samples that do not make whole windows.
+    #[error("{width}x{height} samples are no whole windows of {m}x{m}: render them at m times the picture's size")]
+    Windows {
+        /// Samples in a row.
+        width: u32,
+        /// Rows of samples.
+        height: u32,
+        /// Samples along one side of a window.
+        m: u32,
+    },
     /// More pixels than FLIP's 32-bit indices reach.
     #[error("FLIP takes at most {} pixels, these images have {pixels}", MAX_FLIP_PIXELS)]
     FlipSize {
@@ -167,7 +185,7 @@ pub fn flip(image: &Picture, reference: &Picture) -> Result<Flip, QualityError> 
     Displayed::new(image, reference)?.flip()
 }
 
-fn check(image: &Picture, reference: &Picture) -> Result<(), QualityError> {
+pub(crate) fn check(image: &Picture, reference: &Picture) -> Result<(), QualityError> {
     for (picture, side) in [(image, Side::Image), (reference, Side::Reference)] {
         picture.check().map_err(|source| QualityError::Picture { side, source })?;
     }

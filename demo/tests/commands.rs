@@ -73,7 +73,8 @@ fn refused(arguments: &[&str], words: &[&str]) {
 
 #[test]
 fn scenes_that_are_not_there() {
-    refused(&["--scene", "atriun"], &["'atriun'", "atrium", ".gltf"]);
+    refused(&["--scene", "atriun"], &["'atriun'", "did you mean atrium?", "checker", ".gltf"]);
+    refused(&["--scene", "void"], &["no built-in scene 'void': choose atrium"]);
     refused(&["--scene", "no such.gltf"], &["no such.gltf", "check the path"]);
     refused(&["--scene", "no/such.glb"], &["no/such.glb", "check the path"]);
 }
@@ -120,13 +121,17 @@ fn numbers_out_of_range() {
 
 #[test]
 fn techniques_and_settings() {
-    refused(&["--technique", "magic"], &["'magic'", "full, single or windowed"]);
+    refused(&["--technique", "magic"], &["no technique 'magic': choose full, single or windowed"]);
+    refused(
+        &["--technique", "windwed"],
+        &["no technique 'windwed': did you mean windowed? choose full, single or windowed"],
+    );
     refused(&["--textures", "none"], &["'none'", "arrays"]);
     refused(
         &["--set", "windowed.depht_scale=1"],
-        &["--set windowed.depht_scale=1", "'depht_scale'", "choose", "depth_scale"],
+        &["--set windowed.depht_scale=1", "'depht_scale'", "did you mean windowed.depth_scale?", "choose"],
     );
-    refused(&["--set", "weights=1"], &["'weights'", "choose", "weight"]);
+    refused(&["--set", "weights=1"], &["'weights'", "did you mean weight?", "choose"]);
     refused(&["--set", "windowed.depth_scale"], &["key=value"]);
     refused(&["--set", "windowed.depth_scale=-1"], &["windowed.depth_scale", "must lie in 0 to"]);
     refused(&["--set", "windowed.depth_scale=far"], &["windowed.depth_scale=far", "invalid type"]);

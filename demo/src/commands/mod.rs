@@ -8,6 +8,7 @@ mod set;
 
 use crate::gpu::{self, Gpu, GpuError};
 use crate::host::{self, Host, HostError, Options};
+use crate::names::did_you_mean;
 use crate::picture::PictureError;
 use crate::quality::QualityError;
 use crate::raster::look_at;
@@ -191,8 +192,9 @@ pub fn open_scene(name: &str, index: Option<usize>) -> Result<Scene, CommandErro
     }
     let path = Path::new(name);
     if path.extension().is_none() && !path.exists() {
-        let problem =
-            format!("no built-in scene '{name}': choose {} or a .gltf or .glb file", builtin::NAMES.join(", "));
+        let meant = did_you_mean(name, &builtin::NAMES);
+        let all = builtin::NAMES.join(", ");
+        let problem = format!("no built-in scene '{name}':{meant} choose {all} or a .gltf or .glb file");
         return Err(CommandError::Argument { argument: "--scene".to_owned(), problem });
     }
     Ok(load::load(path, index)?)
@@ -274,6 +276,9 @@ fn parse_technique(text: &str) -> Result<Technique, String> {
         "full" => Ok(Technique::Full),
         "single" => Ok(Technique::Single),
         "windowed" => Ok(Technique::Windowed),
-        _ => Err(format!("no technique '{text}': choose full, single or windowed")),
+        _ => {
+            let meant = did_you_mean(text, &["full", "single", "windowed"]);
+            Err(format!("no technique '{text}':{meant} choose full, single or windowed"))
+        }
     }
 }

@@ -1,6 +1,7 @@
 //! `report`: techniques over their settings, measured against the truth.
 
 use super::{CommandError, Opened, SceneArgs, check_m, say, set, wrong};
+use crate::names::did_you_mean;
 use crate::report::folder::Folder;
 use crate::report::plan::{PEERS, TECHNIQUES};
 use crate::report::session::{Request, Session, stop_on_interrupt};
@@ -17,7 +18,8 @@ pub struct Report {
     /// the same for all.
     #[arg(long, short, value_delimiter = ',', default_value = "2,3,4")]
     m: Vec<u32>,
-    /// What is measured, separated by commas; everything if not given: full, single, windowed.
+    /// What is measured, separated by commas; everything if not given: full, single, windowed, fxaa,
+    /// smaa. Cost curves need the first three.
     #[arg(long, value_delimiter = ',')]
     techniques: Vec<String>,
     /// Any field of the settings by its path, for all entries; may be repeated.
@@ -83,13 +85,14 @@ fn unique(mut ms: Vec<u32>) -> Vec<u32> {
 
 /// The names, all of them if none is given.
 fn techniques(names: &[String]) -> Result<Vec<&'static str>, CommandError> {
-    let known: Vec<_> = TECHNIQUES.into_iter().chain(PEERS.map(|(name, _)| name)).collect();
+    let known: Vec<_> = TECHNIQUES.into_iter().chain(PEERS.map(|(peer, _)| peer.name())).collect();
     if names.is_empty() {
         return Ok(known);
     }
     let find = |name: &String| {
         let found = known.iter().copied().find(|k| k == name);
-        found.ok_or_else(|| wrong("--techniques", format!("no technique '{name}': choose {}", known.join(", "))))
+        let meant = did_you_mean(name, &known);
+        found.ok_or_else(|| wrong("--techniques", format!("no technique '{name}':{meant} choose {}", known.join(", "))))
     };
     names.iter().map(find).collect()
 }

@@ -1,12 +1,14 @@
 //! `--set key=value`: any field of the settings by its path.
 
 use super::CommandError;
+use crate::names::nearest;
 use deferred_aa::Settings;
 use serde_json::Value;
 
 /// The settings with all assignments applied, checked.
 pub fn apply(settings: Settings, assignments: &[String]) -> Result<Settings, CommandError> {
     let mut tree = serde_json::to_value(settings).unwrap_or_default();
+    let paths = paths(&tree, "");
     for assignment in assignments {
         let wrong = |problem| CommandError::Argument { argument: format!("--set {assignment}"), problem };
         let (path, value) = assignment.split_once('=').ok_or_else(|| wrong("write key=value".to_owned()))?;
@@ -15,7 +17,7 @@ pub fn apply(settings: Settings, assignments: &[String]) -> Result<Settings, Com
             let choices = place.as_object().map(|o| o.keys().cloned().collect::<Vec<_>>().join(", "));
             place = place.as_object_mut().and_then(|o| o.get_mut(key)).ok_or_else(|| {
                 wrong(match choices {
-                    Some(choices) => format!("no setting '{key}': choose {choices}"),
+                    Some(choices) => format!("no setting '{key}':{} choose {choices}", meant(path.trim(), &paths)),
                     None => format!("'{key}' is below a plain value"),
                 })
             })?;
@@ -35,6 +37,22 @@ pub fn apply(settings: Settings, assignments: &[String]) -> Result<Settings, Com
     }
     serde_json::from_value(tree)
         .map_err(|e| CommandError::Argument { argument: "--set".to_owned(), problem: e.to_string() })
+}
+
+/// Of all settings and groups of them, groups first.
+fn paths(tree: &Value, prefix: &str) -> Vec<String> {
+    let Some(fields) = tree.as_object() else { return Vec::new() };
+    let named = |key: &str| format!("{prefix}{key}");
+    let own = fields.keys().map(|key| named(key));
+    own.chain(fields.iter().flat_map(|(key, value)| paths(value, &format!("{}.", named(key))))).collect()
+}
+
+/// A path whose last part is near to that of `path`, which may be in the wrong group or in none.
+fn meant(path: &str, paths: &[String]) -> String {
+    let last = |path: &'_ str| path.rfind('.').map_or(0, |dot| dot + 1);
+    let names: Vec<&str> = paths.iter().map(|p| &p[last(p)..]).collect();
+    let found = nearest(&path[last(path)..], &names).and_then(|name| paths.iter().find(|p| &p[last(p)..] == name));
+    found.map_or(String::new(), |p| format!(" did you mean {p}?"))
 }
 
 #[cfg(test)]
@@ -62,7 +80,11 @@ mod tests {
         for (assignment, part) in [
             ("windowed.depth_scale=-1", "must lie in 0 to"),
             ("windowed.depth_scale=NaN", "invalid type"),
-            ("windowed.depths=1", "choose"),
+            ("windowed.depths=1", "did you mean windowed.depth? choose centred, depth,"),
+            ("depht_scale=1", "did you mean windowed.depth_scale? choose execution, technique"),
+            ("windwed.footprint=1", "no setting 'windwed': did you mean windowed.footprint? choose"),
+            ("windwed=1", "did you mean windowed? choose"),
+            ("windowed.magic=1", "no setting 'magic': choose centred,"),
             ("windowed=1", "names a group"),
             ("execution=warp", "unknown variant"),
             ("execution", "key=value"),

@@ -95,9 +95,14 @@ fn base(session: &Session) -> Base {
         (false, true) => 1 << 19,
         (false, false) => u64::MAX,
     };
-    let scale = (most as f64 / (f64::from(r.width) * f64::from(r.height))).sqrt().min(1.0);
-    let (width, height) = scaled((r.width, r.height), scale);
+    let (width, height) = at_most(session, most);
     Base { width, height, m: r.ms.iter().copied().max().unwrap_or(1), stall: r.stall, frames: r.frames.min(3) }
+}
+
+/// The request's size, made smaller to have about this many pixels at most.
+pub fn at_most(session: &Session, pixels: u64) -> (u32, u32) {
+    let size = (session.request.width, session.request.height);
+    scaled(size, (pixels as f64 / (f64::from(size.0) * f64::from(size.1))).sqrt().min(1.0))
 }
 
 fn scaled((width, height): (u32, u32), scale: f64) -> (u32, u32) {

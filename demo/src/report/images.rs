@@ -102,7 +102,7 @@ pub fn images(session: &Session, entries: &[Entry], crops: &[Crop]) -> Result<Im
 }
 
 /// Plain shading, the peers, Windowed by its names, and Full, of the largest m.
-fn shown(entries: &[Entry]) -> Vec<&Entry> {
+pub fn shown(entries: &[Entry]) -> Vec<&Entry> {
     let m = entries.iter().map(|e| e.stats.m).max().unwrap_or(1);
     let windowed = |e: &&Entry| e.stats.settings.technique == Technique::Windowed && e.stats.m == m;
     let find = |id: String| entries.iter().filter(move |e| e.id == id);

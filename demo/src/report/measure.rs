@@ -6,10 +6,11 @@ use super::schema::{Entry, Files};
 use super::session::Session;
 use super::{ReportError, images};
 use crate::host::{Host, Shot};
+use crate::peers::Peers;
 use crate::picture::{self, Picture};
 use crate::quality::{self, Quality, QualityError};
 use crate::stats::{Against, Stats};
-use deferred_aa::{Settings, Technique};
+use deferred_aa::{PassTime, Settings, Technique};
 
 /// What entries are held against.
 #[derive(Debug)]
@@ -47,11 +48,15 @@ pub fn measure(
     if references.edges.is_none() {
         references.edges = Some(show_edges(session, mask.clone())?);
     }
+    let mut shooter = Shooter::new(host, entries)?;
     let mut shown = Vec::new();
     for planned in entries {
         // The frame that warms up is the picture too: the same frame twice is the same bits.
-        let (_, image) = shoot(session, &mut host, planned)?;
-        let counts = (planned.settings.technique == Technique::Windowed).then(|| host.counts(Technique::Windowed));
+        session.tick()?;
+        shooter.shoot(planned, session.camera())?;
+        let image = shooter.picture(planned);
+        let counts =
+            (planned.settings.technique == Technique::Windowed).then(|| shooter.host.counts(Technique::Windowed));
         let files = write_files(session, planned, &image, counts.as_deref(), &references.truth)?;
         let quality = compare(&image, grid.as_ref().map(|g| (g, mask.as_slice())), references)?;
         shown.push((files, quality));
@@ -60,14 +65,14 @@ pub fn measure(
     for _ in 0..session.request.frames {
         for (planned, shots) in entries.iter().zip(&mut shots) {
             session.tick()?;
-            shots.push(host.frame(&session.camera, planned.settings)?);
+            shots.push(shooter.shoot(planned, session.camera())?);
         }
     }
     for ((planned, shots), (files, quality)) in entries.iter().zip(&shots).zip(shown) {
-        let Some(mut stats) = Stats::new(&host, planned.settings, shots, None) else { continue };
+        let Some(mut stats) = Stats::new(&shooter.host, planned.settings, shots, None) else { continue };
         stats.quality = quality;
         if let Some(peer) = planned.peer {
-            stats = stats.of_peer(peer);
+            stats = stats.of_peer(peer.name());
         }
         let Planned { id, label, role, preset, .. } = planned.clone();
         let preset = preset.map(str::to_owned);
@@ -90,10 +95,40 @@ fn show_edges(session: &Session, mask: Vec<bool>) -> Result<Vec<bool>, ReportErr
     Ok(mask)
 }
 
-/// One frame of an entry and its picture.
-fn shoot(session: &Session, host: &mut Host, planned: &Planned) -> Result<(Shot, Picture), ReportError> {
-    let shot = session.frame(host, planned.settings)?;
-    Ok((shot, host.picture()))
+/// A host, and the peers if an entry has one.
+#[derive(Debug)]
+pub struct Shooter {
+    /// The host.
+    pub host: Host,
+    peers: Option<Peers>,
+}
+
+impl Shooter {
+    /// For these entries, all of the host's m.
+    pub fn new(host: Host, entries: &[Planned]) -> Result<Self, ReportError> {
+        let (width, height) = (host.options.width, host.options.height);
+        let any = entries.iter().any(|e| e.peer.is_some());
+        let peers = any.then(|| Peers::new(&host.gpu, width, height)).transpose()?;
+        Ok(Self { host, peers })
+    }
+
+    /// One frame of an entry; a peer's pass comes last.
+    pub fn shoot(&mut self, planned: &Planned, camera: deferred_aa::Camera) -> Result<Shot, ReportError> {
+        let mut shot = self.host.frame_with(camera, planned.settings)?;
+        if let (Some(peer), Some(peers)) = (planned.peer, &mut self.peers) {
+            let milliseconds = peers.run(peer, self.host.target())?.milliseconds;
+            shot.statistics.passes.push(PassTime { name: peer.name(), milliseconds });
+        }
+        Ok(shot)
+    }
+
+    /// Of the last frame, which was of this entry. Waits.
+    pub fn picture(&self, planned: &Planned) -> Picture {
+        match &self.peers {
+            Some(peers) if planned.peer.is_some() => peers.picture(),
+            _ => self.host.picture(),
+        }
+    }
 }
 
 /// All samples of the host's grid. `None` at m = 1, where a grid of one sample is no reference.

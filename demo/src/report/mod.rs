@@ -4,17 +4,21 @@
 //! plan      which entries, before any work
 //! truth     what all of them are held against, from the cache if it is there
 //! measure   the entries, interleaved by the window's size
+//! bounds    how few samples could have done
+//! flicker   the same entries while the camera moves
 //! executions, cost   the same image run in other ways, and on other sizes, lights, triangles
 //! page      report.json, report.html
 //! ```
 //!
 //! What is finished is in the folder at once ([`folder`]), so that nothing is measured twice after an interruption.
 
+pub mod bounds;
 pub mod cache;
 pub mod cost;
 pub mod executions;
 pub mod fingerprint;
 pub mod fit;
+pub mod flicker;
 pub mod folder;
 mod images;
 pub mod measure;

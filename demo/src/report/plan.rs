@@ -1,6 +1,7 @@
 //! Which entries a report has, known before any work is done.
 
 use super::schema::Role;
+use crate::peers::Peer;
 use deferred_aa::{Execution, Settings, Technique, Weight, Windowed};
 
 /// One entry to measure.
@@ -18,15 +19,15 @@ pub struct Planned {
     pub m: u32,
     /// What is recorded.
     pub settings: Settings,
-    /// The peer that runs on its image, by its name on the command line.
-    pub peer: Option<&'static str>,
+    /// What runs on its image.
+    pub peer: Option<Peer>,
 }
 
 /// What `--techniques` takes, in the order of the report.
 pub const TECHNIQUES: [&str; 3] = ["full", "single", "windowed"];
 
 /// Peers, of which `--techniques` takes the names too, and how people call them.
-pub const PEERS: [(&str, &str); 0] = [];
+pub const PEERS: [(Peer, &str); 2] = [(Peer::Fxaa, "FXAA"), (Peer::Smaa, "SMAA 1x")];
 
 /// Every way to run planned samples, the one first that the others are held against.
 pub const EXECUTIONS: [Execution; 2] = [Execution::Loop, Execution::Tiled];
@@ -89,8 +90,8 @@ pub fn plan(ms: &[u32], techniques: &[&str], base: Settings, quick: bool) -> Vec
     if wanted("single") {
         all.push(at_one("single-m1", "Single, m = 1", Role::Technique, None));
     }
-    for (name, label) in PEERS.into_iter().filter(|(name, _)| wanted(name)) {
-        all.push(at_one(&format!("{name}-m1"), label, Role::Peer, Some(name)));
+    for (peer, label) in PEERS.into_iter().filter(|(peer, _)| wanted(peer.name())) {
+        all.push(at_one(&format!("{}-m1", peer.name()), label, Role::Peer, Some(peer)));
     }
     all
 }
@@ -135,6 +136,7 @@ mod tests {
     fn only_what_is_asked_for_is_planned() {
         assert_eq!(ids(&[2], &["full"], true), ["full-m2"]);
         assert_eq!(ids(&[2, 1], &["single"], true), ["single-m2", "single-m1"]);
+        assert_eq!(ids(&[2], &["smaa"], true), ["smaa-m1"]);
     }
 
     #[test]

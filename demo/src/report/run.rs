@@ -4,9 +4,9 @@ use super::cost::{self, Cost};
 use super::executions::{ExecutionRow, executions};
 use super::measure::{self, References};
 use super::plan::{self, Planned};
-use super::schema::{Crop, Entry, Frontier, Report, ReportAdapter, TruthInfo, VERSION};
+use super::schema::{Crop, Entry, Frontier, Oracle, Report, ReportAdapter, TemporalBase, TruthInfo, VERSION};
 use super::session::{Request, Session};
-use super::{ReportError, fit, images, page, truth, variants};
+use super::{ReportError, bounds, fit, flicker, images, page, truth, variants};
 use crate::picture::Picture;
 use crate::stats::Adapter;
 use std::collections::BTreeSet;
@@ -16,6 +16,8 @@ use std::collections::BTreeSet;
 struct Finished {
     truth: Option<(Picture, TruthInfo)>,
     entries: Vec<Entry>,
+    oracles: Vec<Oracle>,
+    temporal: Option<TemporalBase>,
     executions: Vec<ExecutionRow>,
     cost: Option<Cost>,
 }
@@ -27,8 +29,8 @@ pub fn plan_of(request: &Request) -> Vec<Planned> {
 
 /// Parts of work of a plan, for the progress bar.
 pub fn parts(plan: &[Planned]) -> usize {
-    // Truth, executions, page.
-    sides(plan).len() + cost::CURVES + 3
+    // Truth, bounds, flicker, executions, page.
+    sides(plan).len() + cost::CURVES + 5
 }
 
 /// Bytes of the files that a plan writes, about.
@@ -80,10 +82,24 @@ fn work(session: &mut Session, plan: &[Planned], finished: &mut Finished) -> Res
             measure::measure(session, &left, &mut references, |entry| finished.entries.push(entry))
         })?;
     }
-    if session.request.techniques.contains(&"windowed") && largest > 1 {
+    session.part("bounds", |session| {
+        for m in sides(plan).into_iter().rev() {
+            finished.oracles.extend(bounds::bounds(session, m, &mut finished.entries)?);
+        }
+        Ok(())
+    })?;
+    let shown: BTreeSet<_> = images::shown(&finished.entries).into_iter().map(|e| e.id.clone()).collect();
+    let shown: Vec<_> = plan.iter().filter(|p| shown.contains(&p.id)).cloned().collect();
+    let temporal = session.part("flicker", |session| flicker::flicker(session, &shown, &mut finished.entries))?;
+    finished.temporal = Some(temporal);
+    let wanted = |name| session.request.techniques.contains(&name);
+    let (all, windowed) = (plan::TECHNIQUES.into_iter().all(wanted), wanted("windowed"));
+    if windowed && largest > 1 {
         finished.executions = session.part("executions", |session| executions(session, largest))?;
     }
-    finished.cost = Some(cost::cost(session)?);
+    if all {
+        finished.cost = Some(cost::cost(session)?);
+    }
     Ok(())
 }
 
@@ -93,12 +109,11 @@ fn sides(plan: &[Planned]) -> BTreeSet<u32> {
 }
 
 fn write(session: &mut Session, plan: &[Planned], finished: Finished) -> Result<Report, ReportError> {
-    let Finished { truth, entries, executions, cost } = finished;
-    let crops = match (&truth, images::judged(&entries)) {
+    let crops = match (&finished.truth, images::judged(&finished.entries)) {
         (Some((truth, _)), Some(entry)) => images::worst(session, entry, truth)?,
         _ => Vec::new(),
     };
-    let report = report(session, plan, truth.map(|(_, info)| info), entries, executions, cost, crops);
+    let report = report(session, plan, finished, crops);
     session.folder.write_json(&session.folder.file("report.json"), &report)?;
     let images = match &report.truth {
         Some(_) => images::images(session, &report.entries, &report.crops)?,
@@ -108,15 +123,8 @@ fn write(session: &mut Session, plan: &[Planned], finished: Finished) -> Result<
     Ok(report)
 }
 
-fn report(
-    session: &Session,
-    plan: &[Planned],
-    truth: Option<TruthInfo>,
-    entries: Vec<Entry>,
-    executions: Vec<ExecutionRow>,
-    cost: Option<Cost>,
-    crops: Vec<Crop>,
-) -> Report {
+fn report(session: &Session, plan: &[Planned], finished: Finished, crops: Vec<Crop>) -> Report {
+    let Finished { truth, entries, oracles, temporal, executions, cost } = finished;
     let Request { ref command, width, height, stall, quick, .. } = session.request;
     let scene = &session.scene;
     let is_there = |p: &&Planned| entries.iter().any(|e| e.id == p.id);
@@ -131,8 +139,9 @@ fn report(
         lights: scene.lights.len() as u32 + u32::from(scene.sun.is_some()),
         triangles: variants::triangles(scene),
         adapter: ReportAdapter { adapter: Adapter::of(&session.gpu), software: session.software() },
-        truth,
-        oracles: Vec::new(),
+        truth: truth.map(|(_, info)| info),
+        oracles,
+        temporal,
         frontier: frontier(&entries),
         executions,
         cost,

@@ -2,8 +2,10 @@
 
 use super::cost::Cost;
 use super::executions::ExecutionRow;
+use crate::oracle::{Coverage, Neyman};
 use crate::picture::Rect;
 use crate::stats::{Adapter, Stats};
+use crate::temporal::Deviation;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -39,6 +41,8 @@ pub struct Report {
     pub entries: Vec<Entry>,
     /// The bounds on mean-of-k and on exact coverage, by m.
     pub oracles: Vec<Oracle>,
+    /// Where the entries' flicker was measured.
+    pub temporal: Option<TemporalBase>,
     /// Entries that no other one beats.
     pub frontier: Frontier,
     /// One image, run in each way that there is.
@@ -131,7 +135,7 @@ pub struct EntryOracle {
     /// The fewest samples of mean-of-k for the same error.
     pub mean_of_k: Option<MeanOfK>,
     /// One sample a surface, weighted by its coverage.
-    pub exact_coverage: Option<ExactCoverage>,
+    pub exact_coverage: Option<Coverage>,
 }
 
 /// Neyman's allocation with the error of an entry.
@@ -143,51 +147,37 @@ pub struct MeanOfK {
     pub achieved_over_oracle: f64,
 }
 
-/// One sample a surface.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct ExactCoverage {
-    /// Samples, over all.
-    pub ratio: f64,
-    /// Against the grid reference.
-    pub psnr_db: f64,
-}
-
 /// The bounds at one m, against the grid reference.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Oracle {
     /// Samples along one side of a window.
     pub m: u32,
     /// Of mean-of-k.
-    pub curve: Vec<OraclePoint>,
+    pub curve: Vec<Neyman>,
     /// Of one sample a surface.
-    pub exact_coverage: Option<ExactCoverage>,
+    pub exact_coverage: Option<Coverage>,
 }
 
-/// A point of the bound.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct OraclePoint {
-    /// Samples, over all.
-    pub ratio: f64,
-    /// Against the grid reference.
-    pub psnr_db: f64,
+/// Where flicker was measured: smaller than the report, as each frame has a truth of its own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct TemporalBase {
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+    /// Of each movement.
+    pub frames: u32,
+    /// Of each frame's truth.
+    pub samples_per_pixel: u32,
 }
 
 /// Standard deviation over time of (image − truth), on [0, 1].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Temporal {
     /// A pan of 1/64 pixel a frame.
-    pub pan: Flicker,
+    pub pan: Option<Deviation>,
     /// A slow turn.
-    pub turn: Flicker,
-}
-
-/// Over the pixels.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Flicker {
-    /// Of all.
-    pub mean: f64,
-    /// 99 of 100 flicker less.
-    pub p99: f64,
+    pub turn: Option<Deviation>,
 }
 
 /// Ids of the entries that no other one beats, by rising cost.
@@ -234,14 +224,22 @@ impl From<Rect> for Crop {
 }
 
 impl Entry {
+    /// Root mean square error of the displayed image on [0, 1], against all samples of the same grid.
+    pub fn grid_error(&self) -> Option<f64> {
+        self.stats.quality.grid?.psnr_db.map(rmse)
+    }
+
     /// Root mean square error of the displayed image on [0, 1], against the truth.
     pub fn error(&self) -> Option<f64> {
-        let db = self.stats.quality.truth?.psnr_db?;
-        Some(if db >= crate::quality::IDENTICAL_DB { 0.0 } else { 10f64.powf(-db / 20.0) })
+        self.stats.quality.truth?.psnr_db.map(rmse)
     }
 
     /// Median milliseconds with the G-buffer.
     pub fn total_ms(&self) -> Option<f64> {
         self.stats.time_ms.get("total").map(|s| s.median)
     }
+}
+
+fn rmse(db: f64) -> f64 {
+    if db >= crate::quality::IDENTICAL_DB { 0.0 } else { 10f64.powf(-db / 20.0) }
 }

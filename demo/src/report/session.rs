@@ -5,6 +5,7 @@ use super::fingerprint::Fingerprint;
 use super::folder::Folder;
 use crate::gpu::Gpu;
 use crate::host::{Host, Options, Shot};
+use crate::raster::node_camera;
 use crate::scene::{Camera, Scene};
 use crate::stats::Adapter;
 use deferred_aa::{Settings, TextureTier};
@@ -55,7 +56,7 @@ pub struct Session {
     /// The scene.
     pub scene: Scene,
     /// From where it is seen.
-    pub camera: Camera,
+    pub view: Camera,
     /// Where results go.
     pub folder: Folder,
     /// What all results depend on.
@@ -81,17 +82,17 @@ pub fn stop_on_interrupt() {
 
 impl Session {
     /// With `parts` of work to come.
-    pub fn new(request: Request, gpu: Gpu, scene: Scene, camera: Camera, folder: Folder, parts: usize) -> Self {
+    pub fn new(request: Request, gpu: Gpu, scene: Scene, view: Camera, folder: Folder, parts: usize) -> Self {
         let mut fingerprint = Fingerprint::of_scene(&scene);
         let adapter = Adapter::of(&gpu);
-        fingerprint.text(&(camera, request.width, request.height, request.anisotropy, request.textures, adapter));
+        fingerprint.text(&(view, request.width, request.height, request.anisotropy, request.textures, adapter));
         // Hidden where stderr is no terminal.
         let bar = ProgressBar::new_spinner();
         if let Ok(style) = ProgressStyle::with_template("{spinner} [{elapsed_precise}] {prefix}{msg}, frame {pos}") {
             bar.set_style(style);
         }
         bar.enable_steady_tick(Duration::from_millis(200));
-        Self { request, gpu, scene, camera, folder, fingerprint, seconds: BTreeMap::new(), bar, parts: (0, parts) }
+        Self { request, gpu, scene, view, folder, fingerprint, seconds: BTreeMap::new(), bar, parts: (0, parts) }
     }
 
     /// Runs a part of the report, times it and shows its name.
@@ -110,6 +111,11 @@ impl Session {
         result
     }
 
+    /// The camera as the node takes it, at the request's size.
+    pub fn camera(&self) -> deferred_aa::Camera {
+        node_camera(&self.view, self.request.width, self.request.height)
+    }
+
     /// A host of the scene as it is.
     pub fn host(&self, m: u32) -> Result<Host, ReportError> {
         let Request { width, height, .. } = self.request;
@@ -125,7 +131,7 @@ impl Session {
     /// A frame, unless the user wants no more.
     pub fn frame(&self, host: &mut Host, settings: Settings) -> Result<Shot, ReportError> {
         self.tick()?;
-        Ok(host.frame(&self.camera, settings)?)
+        Ok(host.frame(&self.view, settings)?)
     }
 
     /// One step done; an error where the user wants no more.

@@ -6,8 +6,7 @@ use super::session::Session;
 use super::{ReportError, plan};
 use crate::host::{self, Host};
 use crate::picture::{Picture, Rect};
-use crate::raster::{crop, node_camera};
-use crate::scene::Camera;
+use crate::raster::crop;
 use deferred_aa::{DeferredAa, Settings};
 use glam::Vec2;
 use std::time::Instant;
@@ -15,7 +14,7 @@ use std::time::Instant;
 /// Name of the truth's linear image in the folder.
 pub const FILE: &str = "truth.exr";
 
-/// Most bytes of the G-buffer that a truth is rendered through.
+/// Most bytes of a node that renders a reference.
 const MOST_BYTES: u64 = 3_000_000_000;
 
 /// The truth of the session's view, with `side`² samples a pixel, from the cache if it is there. Also in the folder, as
@@ -24,7 +23,7 @@ pub fn truth(session: &Session, side: u32) -> Result<(Picture, TruthInfo), Repor
     let request = &session.request;
     let cache = Cache::new(request.cache.as_deref());
     let samples_per_pixel = side * side;
-    let m = largest_m(session, side);
+    let m = largest_m(session, side, (request.width, request.height));
     let key = session.fingerprint.with(&("truth", side, m)).hex();
     let found = cache.load(&key, request.width, request.height).unwrap_or_else(|why| {
         session.note(&why);
@@ -36,7 +35,7 @@ pub fn truth(session: &Session, side: u32) -> Result<(Picture, TruthInfo), Repor
             let start = Instant::now();
             let mut host = session.host(m)?;
             host.set_stall(1);
-            let picture = render(&mut host, &session.camera, side, || session.tick())?;
+            let picture = render(&mut host, session.camera(), side, || session.tick())?;
             let seconds = start.elapsed().as_secs_f64();
             // A cache that can't be written costs time the next time, and nothing now.
             if let Err(e) =
@@ -53,18 +52,17 @@ pub fn truth(session: &Session, side: u32) -> Result<(Picture, TruthInfo), Repor
 }
 
 /// The largest window that divides the grid and fits the device.
-fn largest_m(session: &Session, side: u32) -> u32 {
-    let request = &session.request;
-    let limits = session.gpu.device.limits();
-    let fits = |m: &u32| {
-        let descriptor = host::descriptor(*m, request.textures);
-        let requirements = DeferredAa::requirements(&session.gpu.adapter, &descriptor);
-        let longest = u64::from(request.width.max(request.height)) * u64::from(*m);
-        side.is_multiple_of(*m)
-            && longest <= u64::from(limits.max_texture_dimension_2d)
-            && requirements.memory(request.width, request.height).gbuffer <= MOST_BYTES
-    };
-    [8, 4, 2].into_iter().find(fits).unwrap_or(1)
+pub fn largest_m(session: &Session, side: u32, size: (u32, u32)) -> u32 {
+    [8, 4, 2].into_iter().find(|&m| side.is_multiple_of(m) && fits(session, m, size)).unwrap_or(1)
+}
+
+/// Whether a host of this m and size is within the device's limits, and not too large to keep the machine usable.
+pub fn fits(session: &Session, m: u32, (width, height): (u32, u32)) -> bool {
+    let descriptor = host::descriptor(m, session.request.textures);
+    let memory = DeferredAa::requirements(&session.gpu.adapter, &descriptor).memory(width, height);
+    let longest = u64::from(width.max(height)) * u64::from(m);
+    longest <= u64::from(session.gpu.device.limits().max_texture_dimension_2d)
+        && memory.gbuffer + memory.scratch <= MOST_BYTES
 }
 
 /// The mean of `side`² samples a pixel on a regular grid: frames of all m² samples, each moved by part of a sample. `tick`
@@ -73,22 +71,21 @@ fn largest_m(session: &Session, side: u32) -> u32 {
 /// Each sample reads its textures with the footprint of one of m².
 pub fn render(
     host: &mut Host,
-    camera: &Camera,
+    camera: deferred_aa::Camera,
     side: u32,
     mut tick: impl FnMut() -> Result<(), ReportError>,
 ) -> Result<Picture, ReportError> {
     let (width, height) = (host.options.width, host.options.height);
     let steps = (side / host.options.m).max(1);
     let full = Vec2::new(width as f32, height as f32);
-    let unmoved = node_camera(camera, width, height);
     let mut sum = vec![[0.0f64; 3]; (width * height) as usize];
     for step in 0..steps * steps {
         tick()?;
         // In pixels, so that the means of all moves is no move.
         let place = Vec2::new((step % steps) as f32, (step / steps) as f32);
         let at = (place + 0.5 - steps as f32 * 0.5) / side as f32;
-        let moved = crop(unmoved, full, at, full);
-        let shot = host.frame_through(moved, plan::grid(Settings::default()))?;
+        let moved = crop(camera, full, at, full);
+        let shot = host.frame_with(moved, plan::grid(Settings::default()))?;
         let picture = host.picture();
         refuse_not_finite(host, moved, shot.statistics.not_finite, &picture)?;
         for (sum, c) in sum.iter_mut().zip(&picture.rgba) {
@@ -130,7 +127,7 @@ fn find_not_finite(
     let mut has_one = |r: Rect| {
         host.resize(r.width, r.height)?;
         let part = crop(camera, vector(width, height), vector(r.x, r.y), vector(r.width, r.height));
-        let shot = host.frame_through(part, plan::grid(Settings::default()))?;
+        let shot = host.frame_with(part, plan::grid(Settings::default()))?;
         Ok::<_, ReportError>(shot.statistics.not_finite > 0)
     };
     let mut rect = Rect { x: 0, y: 0, width, height };

@@ -1,0 +1,88 @@
+//! The entries that the page shows, while the camera moves by less than a pixel a frame.
+
+use super::folder::Kind;
+use super::measure::Shooter;
+use super::plan::Planned;
+use super::schema::{self, Temporal, TemporalBase};
+use super::session::Session;
+use super::{ReportError, cost, truth};
+use crate::host::Host;
+use crate::temporal::{self, Deviation, FRAMES, Flicker, Motion};
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+
+/// Sets the flicker of the entries that are planned here. Each frame has a truth of its own, which is what takes the time:
+/// so the picture is small.
+pub fn flicker(
+    session: &Session,
+    planned: &[Planned],
+    entries: &mut [schema::Entry],
+) -> Result<TemporalBase, ReportError> {
+    let most = match (session.software(), session.request.quick) {
+        (true, true) => 1 << 13,
+        (true, false) => 1 << 15,
+        (false, _) => 1 << 17,
+    };
+    let (width, height) = cost::at_most(session, most);
+    let side = if session.request.quick { 8 } else { 16 };
+    let base = TemporalBase { width, height, frames: FRAMES, samples_per_pixel: side * side };
+    let fingerprint = session.fingerprint.with(&("temporal", base, planned)).hex();
+    let all: BTreeMap<String, Temporal> = match session.folder.finished(Kind::Part, "temporal", &fingerprint) {
+        Some(all) => all,
+        None => {
+            let all = compute(session, planned, (width, height), side)?;
+            session.folder.keep(Kind::Part, "temporal", &fingerprint, &all)?;
+            all
+        }
+    };
+    for entry in entries {
+        entry.temporal = all.get(&entry.id).copied();
+    }
+    Ok(base)
+}
+
+fn compute(
+    session: &Session,
+    planned: &[Planned],
+    size: (u32, u32),
+    side: u32,
+) -> Result<BTreeMap<String, Temporal>, ReportError> {
+    let host = |m| {
+        let mut host = session.host_of(session.scene.clone(), m, size)?;
+        host.set_stall(1);
+        Ok::<_, ReportError>(host)
+    };
+    let mut reference = host(truth::largest_m(session, side, size))?;
+    let mut shooters = BTreeMap::new();
+    for p in planned {
+        if let Entry::Vacant(place) = shooters.entry(p.m) {
+            place.insert(Shooter::new(host(p.m)?, planned)?);
+        }
+    }
+    let pan = motion(session, Motion::Pan, planned, &mut reference, &mut shooters, side)?;
+    let turn = motion(session, Motion::Turn, planned, &mut reference, &mut shooters, side)?;
+    let both = planned.iter().zip(pan.into_iter().zip(turn));
+    Ok(both.map(|(p, (pan, turn))| (p.id.clone(), Temporal { pan, turn })).collect())
+}
+
+fn motion(
+    session: &Session,
+    motion: Motion,
+    planned: &[Planned],
+    reference: &mut Host,
+    shooters: &mut BTreeMap<u32, Shooter>,
+    side: u32,
+) -> Result<Vec<Option<Deviation>>, ReportError> {
+    let (width, height) = (reference.options.width, reference.options.height);
+    let mut all = vec![Flicker::new((width * height) as usize); planned.len()];
+    for frame in 0..FRAMES {
+        let camera = temporal::camera(motion, &session.view, frame, width, height);
+        let truth = truth::render(reference, camera, side, || session.tick())?;
+        for (planned, flicker) in planned.iter().zip(&mut all) {
+            let Some(shooter) = shooters.get_mut(&planned.m) else { continue };
+            shooter.shoot(planned, camera)?;
+            flicker.push(&shooter.picture(planned), &truth)?;
+        }
+    }
+    Ok(all.into_iter().map(Flicker::finish).collect())
+}
