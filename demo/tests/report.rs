@@ -41,7 +41,12 @@ impl Drop for Folder {
 /// A tiny report with its truths in the folder itself.
 fn report(folder: &Folder, arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_deferred-aa-demo"));
-    command.args(["report", "--scene", "fence", "--size", "64x36", "--m", "2", "--quick", "--frames", "1"]);
+    command.args(["report", "--quick", "--frames", "1"]);
+    for (name, value) in [("--scene", "fence"), ("--size", "64x36"), ("--m", "2")] {
+        if !arguments.contains(&name) {
+            command.args([name, value]);
+        }
+    }
     command.arg("--out").arg(folder.out()).arg("--cache").arg(folder.0.join("cache")).args(arguments);
     command.output().unwrap()
 }
@@ -113,7 +118,9 @@ fn every_field_and_file_is_there() {
         assert!(report.get(key).is_some(), "report.json lacks {key}");
     }
     assert_eq!((&report["version"], &report["scene"], &report["quick"]), (&1.into(), &"fence".into(), &true.into()));
-    assert!(report["command"].as_str().unwrap().starts_with("deferred-aa-demo report --scene fence --size 64x36"));
+    assert!(
+        report["command"].as_str().unwrap().starts_with("deferred-aa-demo report --quick --frames 1 --scene fence")
+    );
     assert_eq!(report["truth"]["samples_per_pixel"], 256);
     assert_eq!(report["unfinished"], Value::Array(Vec::new()));
     for id in ["full-m2", "single-m2", "windowed-m2", "windowed-m2-x1-4", "windowed-m2-paper", "single-m1"] {
@@ -237,7 +244,7 @@ fn the_page_holds_the_report_and_its_pictures() {
         let (_, rest) = page.split_once(&format!("<script type=\"application/json\" id=\"{id}\">")).unwrap();
         serde_json::from_str(rest.split_once("</script>").unwrap().0).unwrap()
     };
-    assert_eq!(&script("report"), report);
+    assert!(&script("report") == report);
     let images = script("images");
     assert!(images["truth"].as_str().unwrap().starts_with("data:image/jpeg;base64,"));
     let shown = images["entries"].as_object().unwrap();
@@ -271,7 +278,9 @@ fn resuming_measures_what_is_missing_and_nothing_else() {
     let second = succeed(&folder, &["--resume"]);
     assert_eq!(finished(&folder), all, "nothing was missing");
     assert_eq!(second["truth"]["cached"], true);
-    assert_eq!((&second["entries"], &second["cost"]), (&first["entries"], &first["cost"]));
+    for part in ["entries", "cost", "oracles", "executions", "temporal", "frontier", "crops"] {
+        assert!(second[part] == first[part], "{part} has changed");
+    }
 
     // As after an interruption.
     let out = folder.out();

@@ -31,6 +31,7 @@ pub fn bounds(session: &Session, m: u32, entries: &mut [Entry]) -> Result<Option
     }
     let ours = |e: &&mut Entry| e.stats.m == m && e.stats.settings.technique == Technique::Windowed;
     let mut ours: Vec<_> = entries.iter_mut().filter(ours).collect();
+    ours.sort_by(|a, b| a.id.cmp(&b.id));
     let measured: Vec<_> = ours.iter().map(|e| (e.id.clone(), e.grid_error(), e.stats.samples.ratio)).collect();
     let name = format!("oracle-m{m}");
     let fingerprint = session.fingerprint.with(&(&name, &measured)).hex();
