@@ -22,3 +22,8 @@ fn daa_shade_sample(pixel: vec2u, rank: u32, k: u32) -> vec4f {
     }
     return clean.color;
 }
+
+fn daa_weighted(mean: DaaMean, c: vec4f) -> DaaMean {
+    let by_luminance = (daa_frame.flags & DAA_FLAG_WEIGHT_LUMINANCE) != 0u;
+    return daa_mean_add(mean, c, daa_weight(c, by_luminance, daa_frame.exposure));
+}

@@ -6,11 +6,6 @@
 @group(3) @binding(2) var daa_color: texture_storage_2d<rgba32float, write>;
 @group(3) @binding(3) var<storage, read_write> daa_statistics: DaaStatistics;
 
-fn daa_weighted(mean: DaaMean, c: vec4f) -> DaaMean {
-    let by_luminance = (daa_frame.flags & DAA_FLAG_WEIGHT_LUMINANCE) != 0u;
-    return daa_mean_add(mean, c, daa_weight(c, by_luminance, daa_frame.exposure));
-}
-
 /// The first sample joins the others.
 fn daa_store(pixel: vec2u, others: DaaMean) {
     let first = daa_weighted(DaaMean(), textureLoad(daa_first, pixel, 0));

@@ -1,5 +1,6 @@
 //! What can go wrong, where, and what to do about it.
 
+use crate::settings::Execution;
 use std::fmt;
 
 /// [`DeferredAa::new`](crate::DeferredAa::new) could not build the node.
@@ -146,6 +147,24 @@ pub enum RecordError {
         "the node was built with a texture tier, the frame has no table; set Frame::textures, an empty table if there are none"
     )]
     Textures,
+    /// The list of an execution is too large.
+    #[error(
+        "{execution:?} at {width}×{height}, m = {m} lists up to {bytes} bytes: {why}; use Execution::Tiled or Loop, which list nothing"
+    )]
+    List {
+        /// Whose list.
+        execution: Execution,
+        /// Of the node.
+        width: u32,
+        /// Of the node.
+        height: u32,
+        /// Of the node.
+        m: u32,
+        /// Of its largest buffer, or of all if memory ran out.
+        bytes: u64,
+        /// The limit that it exceeds, or what the driver said.
+        why: String,
+    },
     /// A pipeline was refused.
     #[error(transparent)]
     Pipeline(#[from] PipelineError),

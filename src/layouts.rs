@@ -4,6 +4,7 @@ mod compare;
 
 use crate::frame::{FrameUniform, flag};
 use crate::reference::metrics::By;
+use crate::scratch::{List, WORK_BYTES};
 use crate::statistics::Counters;
 use crate::table::{BINDING_FEATURES, MAX_CLASSES, TextureTier};
 use crate::wgsl::{BUILTINS, HostSource, join_plain, tokens};
@@ -11,14 +12,19 @@ use crate::{DebugView, TILE};
 use compare::{constant, parse, rust_layout, wgsl_layout};
 use wgpu::naga;
 
-const PLAIN: [(&str, &str); 4] = [
+const PLAIN: [(&str, &str); 6] = [
+    ("list", include_str!("../shaders/list.wgsl")),
+    ("max_filter", include_str!("../shaders/max_filter.wgsl")),
     ("metrics", include_str!("../shaders/metrics.wgsl")),
     ("plan", include_str!("../shaders/plan.wgsl")),
     ("resolve", include_str!("../shaders/resolve.wgsl")),
     ("view", include_str!("../shaders/view.wgsl")),
 ];
-const SHADING: [(&str, &str); 2] =
-    [("first", include_str!("../shaders/first.wgsl")), ("shade", include_str!("../shaders/shade.wgsl"))];
+const SHADING: [(&str, &str); 3] = [
+    ("first", include_str!("../shaders/first.wgsl")),
+    ("shade", include_str!("../shaders/shade.wgsl")),
+    ("listed", concat!(include_str!("../shaders/shade.wgsl"), "\n", include_str!("../shaders/listed.wgsl"))),
+];
 const TIERS: [TextureTier; 3] = [TextureTier::None, TextureTier::Arrays, TextureTier::Bindings];
 
 fn plain(pass: &str) -> naga::Module {
@@ -130,7 +136,7 @@ fn deciding_metrics_are_the_shaders() {
 /// `case 5u: { … } // Normal`: the comment is the variant, so that a case moved alone shows.
 #[test]
 fn debug_views_are_the_shaders_cases() {
-    let text = PLAIN[3].1;
+    let text = include_str!("../shaders/view.wgsl");
     let mut named = Vec::new();
     for line in text.lines() {
         if let Some((number, rest)) = line.trim().strip_prefix("case ").and_then(|l| l.split_once("u:")) {
@@ -151,9 +157,18 @@ fn tiles_are_the_shaders() {
     let flat = [TILE * TILE, 1, 1];
     let expected = [
         ("daa_first_main", tile),
+        ("daa_list_count_pixels", flat),
+        ("daa_list_count_samples", flat),
+        ("daa_list_pixels", flat),
+        ("daa_list_samples", flat),
+        ("daa_list_scan", [256, 1, 1]),
+        ("daa_max_filter_main", tile),
         ("daa_metrics_main", tile),
         ("daa_plan_main", flat),
         ("daa_shade_full", tile),
+        ("daa_shade_gather", tile),
+        ("daa_shade_packed", flat),
+        ("daa_shade_pixels", flat),
         ("daa_shade_loop", tile),
         ("daa_shade_tiled", flat),
     ];
@@ -169,6 +184,19 @@ fn tiles_are_the_shaders() {
     // The literals that follow from TILE = 8: a shift by 3, a mask of 7, 64 windows, and 64 · 63 samples beyond the first.
     assert_eq!(TILE, 1 << 3);
     assert_eq!(crate::Windowed::NO_TILE_LIMIT, TILE * TILE * (crate::window::MAX_M.pow(2) - 1));
+}
+
+#[test]
+fn works_are_the_shaders() {
+    let mut seen = 0;
+    for (name, module) in modules().into_iter().filter(|(name, _)| name.starts_with("list")) {
+        let (members, size) = wgsl_layout(&module, "DaaWork");
+        assert_eq!(u64::from(size), WORK_BYTES, "{name}");
+        let groups = members.iter().find(|m| m.0 == "groups_x").map(|m| u64::from(m.1));
+        assert_eq!(groups, Some(List::GROUPS_AT), "{name}");
+        seen += 1;
+    }
+    assert!(seen > 1);
 }
 
 #[test]
@@ -222,8 +250,8 @@ fn builtins_are_what_the_shaders_use() {
         include_str!("../shaders/table_arrays.wgsl"),
         include_str!("../shaders/table_bindings.wgsl"),
     ];
-    const OTHER: [&str; 10] =
-        ["binding", "builtin", "for", "group", "if", "location", "return", "switch", "while", "workgroup_size"];
+    const OTHER: [&str; 11] =
+        ["binding", "builtin", "for", "group", "if", "location", "return", "size", "switch", "while", "workgroup_size"];
     // Used without a bracket after them.
     const TYPES: [&str; 9] = ["array", "atomic", "binding_array", "bitcast", "bool", "f32", "i32", "sampler", "u32"];
     let mut used = std::collections::BTreeSet::new();

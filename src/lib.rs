@@ -39,6 +39,9 @@ mod frame;
 pub mod gbuffer;
 #[cfg(test)]
 mod layouts;
+mod list;
+mod listed;
+mod max_filter;
 mod metrics;
 mod node;
 mod pipeline;

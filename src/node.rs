@@ -4,12 +4,15 @@ use crate::error::{BuildError, RecordError, ShadingError, SizeError, TableError}
 use crate::first::{self, First};
 use crate::frame::{Frame, FrameUniform};
 use crate::gbuffer::GBuffer;
+use crate::list::{self, Lists};
+use crate::listed::{self, Listed, Listing};
+use crate::max_filter::{self, MaxFilter};
 use crate::metrics::{self, Metrics};
 use crate::pipeline::{self, Build, PassInfo};
 use crate::plan::{self, Plan};
 use crate::requirements::{self, Memory, Requirements};
 use crate::resolve::{Resolve, Source};
-use crate::scratch::{self, Scratch};
+use crate::scratch::{self, List, ListKind, Scratch};
 use crate::settings::{DebugView, Execution, Settings, Technique};
 use crate::shade::{self, Shade, Variant};
 use crate::statistics::{Collector, MAX_PASSES, Recorded, Statistics};
@@ -63,8 +66,11 @@ pub struct DeferredAa {
     tables: Option<Tables>,
     first: First,
     metrics: Metrics,
+    max_filter: MaxFilter,
     plan: Plan,
+    lists: Lists,
     shade: Shade,
+    listed: Listed,
     resolve: Resolve,
     view: View,
     uniforms: wgpu::Buffer,
@@ -80,10 +86,21 @@ struct Sized {
     frame: wgpu::BindGroup,
     first: wgpu::BindGroup,
     metrics: wgpu::BindGroup,
+    max_filter: wgpu::BindGroup,
     plan: wgpu::BindGroup,
     shade: wgpu::BindGroup,
     resolve: wgpu::BindGroup,
     view: wgpu::BindGroup,
+    /// By [`ListKind`], each from the first frame that needs it.
+    lists: [Option<SizedList>; 2],
+}
+
+/// A list and what binds it.
+#[derive(Debug)]
+struct SizedList {
+    list: List,
+    fill: wgpu::BindGroup,
+    shade: listed::Bound,
 }
 
 /// What the passes hand to each other. All can be copied from.
@@ -99,6 +116,10 @@ pub struct Intermediates<'a> {
     pub plan: &'a wgpu::Buffer,
     /// Tiles along x and y.
     pub tiles: [u32; 2],
+    /// Slots of the plan by k, once [`Execution::Sorted`] or [`Execution::Bucketed`] ran; see `reference::list`.
+    pub pixel_list: Option<&'a wgpu::Buffer>,
+    /// The samples beyond the first, once [`Execution::Packed`] ran; see `reference::list`.
+    pub sample_list: Option<&'a wgpu::Buffer>,
 }
 
 impl Intermediates<'_> {
@@ -122,8 +143,11 @@ pub struct Pass {
 enum Step {
     First,
     Metrics,
+    MaxFilter,
     Plan,
+    List(ListKind),
     Shade(Variant),
+    Listed(Listing),
     Resolve(Source),
     View { first: bool, planned: bool },
 }
@@ -137,16 +161,22 @@ fn order(settings: &Settings) -> [Option<Step>; MAX_PASSES] {
     let planned = settings.technique == Technique::Windowed;
     let first = settings.technique != Technique::Full || settings.view == DebugView::First;
     let (shade, source) = match (settings.technique, settings.execution) {
-        (Technique::Full, _) => (Some(Variant::Full), Source::Color),
+        (Technique::Full, _) => (Some(Step::Shade(Variant::Full)), Source::Color),
         (Technique::Single, _) => (None, Source::First),
-        (Technique::Windowed, Execution::Loop) => (Some(Variant::Loop), Source::ByPlan),
-        (Technique::Windowed, Execution::Tiled) => (Some(Variant::Tiled), Source::ByPlan),
+        (Technique::Windowed, execution) => (Some(execute(execution)), Source::ByPlan),
     };
+    let list = match shade {
+        Some(Step::Listed(listing)) => Some(Step::List(listing.kind())),
+        _ => None,
+    };
+    let filtered = planned && settings.execution == Execution::MaxFiltered;
     [
         first.then_some(Step::First),
         planned.then_some(Step::Metrics),
+        filtered.then_some(Step::MaxFilter),
         planned.then_some(Step::Plan),
-        shade.map(Step::Shade),
+        list,
+        shade,
         Some(match settings.view {
             DebugView::Image => Step::Resolve(source),
             _ => Step::View { first, planned },
@@ -154,12 +184,30 @@ fn order(settings: &Settings) -> [Option<Step>; MAX_PASSES] {
     ]
 }
 
+fn execute(execution: Execution) -> Step {
+    match execution {
+        Execution::Loop | Execution::MaxFiltered => Step::Shade(Variant::Loop),
+        Execution::Tiled => Step::Shade(Variant::Tiled),
+        Execution::Bucketed => Step::Listed(Listing::Bucketed),
+        Execution::Sorted => Step::Listed(Listing::Sorted),
+        Execution::Packed => Step::Listed(Listing::Packed),
+    }
+}
+
 impl Step {
+    /// Whether the host's code runs in it.
+    fn shades(self) -> bool {
+        matches!(self, Self::First | Self::Shade(_) | Self::Listed(_))
+    }
+
     fn info(self) -> PassInfo {
         match self {
             Self::First => first::INFO,
             Self::Metrics => metrics::INFO,
+            Self::MaxFilter => max_filter::INFO,
             Self::Plan => plan::INFO,
+            Self::List(_) => list::INFO,
+            Self::Listed(_) => listed::INFO,
             Self::Shade(Variant::Full) => shade::INFO_FULL,
             Self::Shade(_) => shade::INFO,
             Self::Resolve(source) => source.info(),
@@ -212,8 +260,11 @@ impl DeferredAa {
             tables,
             first: First::new(device),
             metrics: Metrics::new(device),
+            max_filter: MaxFilter::new(device),
             plan: Plan::new(device),
+            lists: Lists::new(device),
             shade: Shade::new(device),
+            listed: Listed::new(device),
             resolve: Resolve::new(device),
             view: View::new(device),
             uniforms: device.create_buffer(&wgpu::BufferDescriptor {
@@ -265,10 +316,12 @@ impl DeferredAa {
             frame: bind_frame(device, &self.build.frame_layout, &self.uniforms, &scratch.gbuffer),
             first: self.first.bind(device, &scratch),
             metrics: self.metrics.bind(device, &scratch),
+            max_filter: self.max_filter.bind(device, &scratch),
             plan: self.plan.bind(device, &scratch),
             shade: self.shade.bind(device, &scratch),
             resolve: self.resolve.bind(device, &scratch),
             view: self.view.bind(device, &scratch),
+            lists: [None, None],
             scratch,
         });
         Ok(())
@@ -286,6 +339,8 @@ impl DeferredAa {
             color: s.scratch.color.texture(),
             plan: &s.scratch.plan,
             tiles: scratch::tiles(s.scratch.size),
+            pixel_list: s.lists[ListKind::Pixels as usize].as_ref().map(|l| &l.list.list),
+            sample_list: s.lists[ListKind::Samples as usize].as_ref().map(|l| &l.list.list),
         })
     }
 
@@ -294,8 +349,14 @@ impl DeferredAa {
         let size = self.sized.as_ref().map_or([0, 0], |s| s.scratch.size);
         Memory {
             gbuffer: scratch::gbuffer_bytes(size, self.build.m),
-            scratch: if size == [0, 0] { 0 } else { scratch::scratch_bytes(size) },
+            scratch: if size == [0, 0] { 0 } else { scratch::scratch_bytes(size) + self.list_bytes(size) },
         }
+    }
+
+    fn list_bytes(&self, size: [u32; 2]) -> u64 {
+        let made = |kind: ListKind| self.sized.as_ref().is_some_and(|s| s.lists[kind as usize].is_some());
+        let kinds = [ListKind::Pixels, ListKind::Samples].into_iter().filter(|&kind| made(kind));
+        kinds.flat_map(|kind| List::bytes(kind, size, self.build.m)).sum()
     }
 
     /// The layout of [`TextureTable::bind_group`], for the host's own pipelines, at `@group(1)`.
@@ -327,7 +388,10 @@ impl DeferredAa {
             match step {
                 Step::First => drop(self.first.pipeline(&self.build)?),
                 Step::Metrics => drop(self.metrics.pipeline(&self.build)?),
+                Step::MaxFilter => drop(self.max_filter.pipeline(&self.build)?),
                 Step::Plan => drop(self.plan.pipeline(&self.build)?),
+                Step::List(kind) => self.lists.warm_up(&self.build, kind)?,
+                Step::Listed(listing) => self.listed.warm_up(&self.build, listing)?,
                 Step::Shade(variant) => drop(self.shade.pipeline(&self.build, variant)?),
                 Step::Resolve(source) => drop(self.resolve.pipeline(&self.build, source)?),
                 Step::View { .. } => drop(self.view.pipeline(&self.build)?),
@@ -390,6 +454,8 @@ impl DeferredAa {
         }
         let uniform = FrameUniform::new(frame, sized.scratch.size, self.build.m)?;
         self.warm_up(&frame.settings)?;
+        self.make_list(&frame.settings)?;
+        let sized = self.sized.as_ref().ok_or(RecordError::NoSize)?;
 
         self.frame += 1;
         let offset = self.frame % UNIFORM_SLOTS * UNIFORM_STRIDE;
@@ -400,6 +466,41 @@ impl DeferredAa {
             recorded.push(pass.info.name);
         }
         Ok(Recording { aa: self, frame, offset: offset as u32, recorded })
+    }
+
+    /// Makes the list of an execution that has one, in the first frame that asks for it.
+    fn make_list(&mut self, settings: &Settings) -> Result<(), RecordError> {
+        let kind = order(settings).into_iter().flatten().find_map(|step| match step {
+            Step::List(kind) => Some(kind),
+            _ => None,
+        });
+        let (Some(kind), Some(sized)) = (kind, &mut self.sized) else { return Ok(()) };
+        if sized.lists[kind as usize].is_some() {
+            return Ok(());
+        }
+        let (device, m, size) = (&self.build.device, self.build.m, sized.scratch.size);
+        let bytes = List::bytes(kind, size, m);
+        let largest = bytes.into_iter().max().unwrap_or(0);
+        let refused = |bytes, why| {
+            let execution = settings.execution;
+            Err(RecordError::List { execution, width: size[0], height: size[1], m, bytes, why })
+        };
+        let limits = device.limits();
+        let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+        if largest > limit {
+            return refused(largest, format!("the device binds {limit}"));
+        }
+        let scope = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let list = List::new(device, kind, size, m);
+        if let Some(e) = pipeline::ready(scope.pop()) {
+            return refused(bytes.iter().sum(), e.to_string());
+        }
+        sized.lists[kind as usize] = Some(SizedList {
+            fill: self.lists.bind(device, &sized.scratch, &list),
+            shade: self.listed.bind(device, &sized.scratch, &list),
+            list,
+        });
+        Ok(())
     }
 
     /// What the newest frame did whose counters have arrived, some frames after it was submitted with
@@ -425,24 +526,27 @@ impl Recording<'_> {
         let Some(sized) = &aa.sized else { return };
         let timestamps = aa.collector.timestamps(pass.index).filter(|_| self.frame.statistics);
         // `begin` has compiled them all.
-        let compute = match pass.step {
-            Step::First => aa.first.pipeline(&aa.build).ok().map(|p| (p, &sized.first, true)),
-            Step::Metrics => aa.metrics.pipeline(&aa.build).ok().map(|p| (p, &sized.metrics, false)),
-            Step::Plan => aa.plan.pipeline(&aa.build).ok().map(|p| (p, &sized.plan, false)),
-            Step::Shade(variant) => aa.shade.pipeline(&aa.build, variant).ok().map(|p| (p, &sized.shade, true)),
+        match pass.step {
             Step::Resolve(source) => {
                 let pipeline = aa.resolve.pipeline(&aa.build, source).ok();
-                return self.fullscreen(encoder, pass, pipeline, (&sized.frame, &sized.resolve), timestamps);
+                self.fullscreen(encoder, pass, pipeline, (&sized.frame, &sized.resolve), timestamps);
             }
             Step::View { .. } => {
                 let pipeline = aa.view.pipeline(&aa.build).ok();
-                return self.fullscreen(encoder, pass, pipeline, (&sized.frame, &sized.view), timestamps);
+                self.fullscreen(encoder, pass, pipeline, (&sized.frame, &sized.view), timestamps);
             }
-        };
-        let Some((pipeline, own, shades)) = compute else { return };
-        let [x, y] = scratch::tiles(sized.scratch.size);
-        // A plan's workgroup does 64 tiles, the others' one.
-        let (x, y) = if pass.step == Step::Plan { ((x * y).div_ceil(64), 1) } else { (x, y) };
+            _ => self.compute(encoder, pass, sized, timestamps),
+        }
+    }
+
+    fn compute(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        pass: Pass,
+        sized: &Sized,
+        timestamps: Option<(&wgpu::QuerySet, u32, u32)>,
+    ) {
+        let aa = &*self.aa;
         let mut compute = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
             label: Some(pass.info.name),
             timestamp_writes: timestamps.map(|(query_set, begin, end)| wgpu::ComputePassTimestampWrites {
@@ -451,9 +555,8 @@ impl Recording<'_> {
                 end_of_pass_write_index: Some(end),
             }),
         });
-        compute.set_pipeline(pipeline);
         compute.set_bind_group(0, &sized.frame, &[self.offset]);
-        if shades {
+        if pass.step.shades() {
             if let Some(table) = self.frame.textures.filter(|_| aa.tables.is_some()) {
                 compute.set_bind_group(1, &table.bind_group, &[]);
             }
@@ -461,6 +564,31 @@ impl Recording<'_> {
                 compute.set_bind_group(crate::HOST_GROUP, self.frame.host_bind_group, &[]);
             }
         }
+        let tiles = scratch::tiles(sized.scratch.size);
+        let (pipeline, own, [x, y]) = match pass.step {
+            Step::First => (aa.first.pipeline(&aa.build), &sized.first, tiles),
+            Step::Metrics => (aa.metrics.pipeline(&aa.build), &sized.metrics, tiles),
+            Step::MaxFilter => {
+                let groups = sized.scratch.size.map(|side| side.div_ceil(max_filter::REACH));
+                (aa.max_filter.pipeline(&aa.build), &sized.max_filter, groups)
+            }
+            // A workgroup plans 64 tiles.
+            Step::Plan => (aa.plan.pipeline(&aa.build), &sized.plan, [(tiles[0] * tiles[1]).div_ceil(64), 1]),
+            Step::Shade(variant) => (aa.shade.pipeline(&aa.build, variant), &sized.shade, tiles),
+            Step::List(kind) => {
+                let Some(made) = &sized.lists[kind as usize] else { return };
+                compute.set_bind_group(3, &made.fill, &[]);
+                return aa.lists.dispatch(&mut compute, &aa.build, kind, sized.scratch.size);
+            }
+            Step::Listed(listing) => {
+                let Some(made) = &sized.lists[listing.kind() as usize] else { return };
+                let size = sized.scratch.size;
+                return aa.listed.dispatch(&mut compute, &aa.build, listing, &made.list, &made.shade, size);
+            }
+            Step::Resolve(_) | Step::View { .. } => return,
+        };
+        let Ok(pipeline) = pipeline else { return };
+        compute.set_pipeline(pipeline);
         compute.set_bind_group(3, own, &[]);
         compute.dispatch_workgroups(x, y, 1);
     }

@@ -18,6 +18,8 @@ pub enum Resource {
     Counts,
     /// k and the place in the tile's list of each window.
     Plan,
+    /// The frame's pixels by count, or its samples, as one list.
+    List,
     /// The means of windows with k > 1, w×h.
     Color,
     /// The counters.
@@ -99,6 +101,21 @@ impl Build {
         own: &wgpu::BindGroupLayout,
         shades: bool,
     ) -> Result<wgpu::ComputePipeline, PipelineError> {
+        self.compute_with(pass, source, entry, own, shades, &[])
+    }
+
+    /// The same, with values for the pass's own `override` constants.
+    pub fn compute_with(
+        &self,
+        pass: &'static str,
+        source: String,
+        entry: &str,
+        own: &wgpu::BindGroupLayout,
+        shades: bool,
+        constants: &[(&str, f64)],
+    ) -> Result<wgpu::ComputePipeline, PipelineError> {
+        let m = [("DAA_M", f64::from(self.m))];
+        let constants = [&m[..], constants].concat();
         self.checked(pass, || {
             let module = self.module(pass, source);
             self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
@@ -107,7 +124,7 @@ impl Build {
                 module: &module,
                 entry_point: Some(entry),
                 compilation_options: wgpu::PipelineCompilationOptions {
-                    constants: &[("DAA_M", f64::from(self.m))],
+                    constants: &constants,
                     // Only `plan` counts up from 0; what `shade` reads it has written.
                     zero_initialize_workgroup_memory: !shades,
                 },
@@ -196,6 +213,16 @@ pub(crate) mod entry {
             view_dimension: wgpu::TextureViewDimension::D2,
         };
         BindGroupLayoutEntry { binding, visibility: ShaderStages::COMPUTE, ty, count: None }
+    }
+
+    /// One of several equal parts of a read-only buffer, chosen by a dynamic offset.
+    pub fn part(binding: u32, visibility: ShaderStages, bytes: u64) -> BindGroupLayoutEntry {
+        let ty = BindingType::Buffer {
+            ty: BufferBindingType::Storage { read_only: true },
+            has_dynamic_offset: true,
+            min_binding_size: wgpu::BufferSize::new(bytes),
+        };
+        BindGroupLayoutEntry { binding, visibility, ty, count: None }
     }
 
     pub fn buffer(binding: u32, visibility: ShaderStages, read_only: bool) -> BindGroupLayoutEntry {

@@ -41,6 +41,21 @@ pub enum Execution {
     /// A workgroup shades the samples of an 8 × 8 tile end to end, every lane busy.
     #[default]
     Tiled,
+    /// One dispatch for each k, over the pixels that have it, as Holländer et al.'s stencil variant draws one quad for each.
+    Bucketed,
+    /// The pixels in the order of their k, in one dispatch (section 4.2, after Hoberock et al. 2009).
+    Sorted,
+    /// [`Loop`](Self::Loop) after every pixel took the greatest k of its block of 6 × 6 pixels (section 4.2): more samples,
+    /// never fewer, so the image is another one.
+    MaxFiltered,
+    /// The frame's samples as one packed list, one a lane (Jin et al. 2009). Holds 20 bytes for each sample that could be
+    /// shaded: [`RecordError::List`](crate::RecordError::List) where that is too much.
+    Packed,
+}
+
+impl Execution {
+    /// All of them.
+    pub const ALL: [Self; 6] = [Self::Loop, Self::Tiled, Self::Bucketed, Self::Sorted, Self::MaxFiltered, Self::Packed];
 }
 
 /// The metrics of [`Technique::Windowed`]: k is the greatest that any of them asks for, rounded, from 1 to n = m².

@@ -18,7 +18,7 @@ pub(crate) struct Counters {
 pub(crate) const COUNTER_BYTES: u64 = size_of::<Counters>() as u64;
 
 /// Most passes of a frame.
-pub(crate) const MAX_PASSES: usize = 5;
+pub(crate) const MAX_PASSES: usize = 7;
 const TIMESTAMP_BYTES: u64 = (MAX_PASSES * 2 * 8) as u64;
 /// Where the timestamps lie in a read-back buffer, aligned as `resolve_query_set` copies want it.
 const TIMESTAMPS_AT: u64 = COUNTER_BYTES.next_multiple_of(8);

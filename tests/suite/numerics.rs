@@ -760,7 +760,7 @@ fn row_19_a_full_list_falls_back_to_one_sample_and_says_so() {
     let wants: u32 = (0..64).map(|i| wanted[(i / 8 * w + 8 + i % 8) as usize] - 1).sum();
     let mut limits = [0, 1, 50, 300, 960, wants - 1, wants];
     limits.sort_unstable();
-    for execution in [Execution::Loop, Execution::Tiled] {
+    for execution in Execution::ALL.into_iter().filter(|&e| e != Execution::MaxFiltered) {
         let free = rig.run(Settings { execution, ..Default::default() });
         let mut fewest = u32::MAX;
         for tile_limit in limits {
@@ -793,7 +793,7 @@ fn row_19_the_longest_list_fits() {
     let mut rig = Rig::new(8, 17, 9, SHOW_USER);
     rig.fill(|x, y| Sample { object: 1 + x % 2, ..land(x, y) });
     let grid = rig.run(full());
-    for execution in [Execution::Loop, Execution::Tiled] {
+    for execution in Execution::ALL {
         let output = rig.run(Settings { execution, ..fixed_k(64) });
         assert_eq!(output.statistics.overflowed_tiles, 0);
         assert_eq!(output.statistics.shaded, 17 * 9 * 64);

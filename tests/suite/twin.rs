@@ -2,7 +2,7 @@
 
 use crate::harness::{Rig, SHOW_USER, Sample, noise, rgba8};
 use deferred_aa::glam::{Vec2, Vec3};
-use deferred_aa::reference::{plan, resolve};
+use deferred_aa::reference::{list, max_filter, plan, resolve};
 use deferred_aa::{DepthMeasure, Execution, LuminanceCurve, Settings, Technique, Weight, Windowed, window};
 
 /// A scene of everything: slanted planes, steps, curved normals, several materials, sky, noise.
@@ -69,7 +69,7 @@ fn the_whole_frame_is_the_twins() {
         rig.fill(busy);
         let order = window::order(m);
         for technique in [Technique::Full, Technique::Single, Technique::Windowed] {
-            for execution in [Execution::Loop, Execution::Tiled] {
+            for execution in Execution::ALL {
                 let output = rig.run(Settings { technique, execution, weight, ..Default::default() });
                 for (i, pixel) in output.image.iter().enumerate() {
                     let (x, y) = (i as u32 % 37, i as u32 / 37);
@@ -95,4 +95,65 @@ fn the_whole_frame_is_the_twins() {
             }
         }
     }
+}
+
+#[test]
+fn the_lists_are_the_twins() {
+    // 9 and 1 to 5 tiles, more than a workgroup scans one by one, and m from nothing to list to the longest windows.
+    for (m, [width, height]) in [(1, [9, 9]), (2, [37, 21]), (3, [300, 190]), (4, [37, 21]), (8, [19, 33])] {
+        let mut rig = Rig::new(m, width, height, SHOW_USER);
+        rig.fill(busy);
+        let n = m * m;
+        let looped = rig.run(Settings { execution: Execution::Loop, ..Default::default() });
+        let counts: Vec<u32> = looped.plan.iter().map(|p| p.0).collect();
+        let (planned, _) = plan::plan(&counts, width, height, Windowed::NO_TILE_LIMIT);
+        let pixels = list::pixels(&planned, n);
+        let samples = list::samples(&planned, n);
+        assert!(m == 1 || samples.len() > 64, "m = {m}: nothing to list");
+        for execution in [Execution::Sorted, Execution::Bucketed, Execution::Packed] {
+            let output = rig.run(Settings { execution, ..Default::default() });
+            assert_eq!((&output.image, &output.plan), (&looped.image, &looped.plan), "m = {m} {execution:?}");
+            let passed = rig.aa.intermediates().expect("a size");
+            let (buffer, twin) = match execution {
+                Execution::Packed => (passed.sample_list, &samples),
+                _ => (passed.pixel_list, &pixels),
+            };
+            let words: Vec<u32> = bytemuck::pod_collect_to_vec(&rig.gpu.read_buffer(buffer.expect("a list")));
+            assert!(words[..twin.len()] == twin[..], "m = {m} {execution:?}");
+        }
+    }
+}
+
+#[test]
+fn the_max_filter_is_the_twins() {
+    for (m, [width, height]) in [(2, [37, 21]), (4, [50, 97])] {
+        let mut rig = Rig::new(m, width, height, SHOW_USER);
+        rig.fill(busy);
+        let looped = rig.run(Settings { execution: Execution::Loop, ..Default::default() });
+        let filtered = rig.run(Settings { execution: Execution::MaxFiltered, ..Default::default() });
+        let counts: Vec<u32> = looped.plan.iter().map(|p| p.0).collect();
+        let expected = max_filter::max_filter(&counts, width, height);
+        assert!(filtered.plan.iter().map(|p| p.0).eq(expected), "m = {m}");
+        assert!(filtered.statistics.shaded > looped.statistics.shaded);
+    }
+}
+
+/// More samples than a batch of `Packed` holds.
+#[test]
+fn batches_meet() {
+    let [width, height] = [1030, 700];
+    let mut rig = Rig::new(4, width, height, SHOW_USER);
+    rig.fill(|x, y| Sample { user: rgba8(noise(x / 3 + y * 977), noise(y), noise(x), 1.0), ..Default::default() });
+    let all = Windowed {
+        identity_samples: 0.0,
+        luminance_scale: 1e6,
+        luminance_min: 0.0,
+        luminance_edge: 0.0,
+        ..Default::default()
+    };
+    let settings = Settings { windowed: all, ..Default::default() };
+    let looped = rig.run(Settings { execution: Execution::Loop, ..settings });
+    assert!(looped.statistics.shaded > 2 << 22, "{} samples", looped.statistics.shaded);
+    let packed = rig.run(Settings { execution: Execution::Packed, ..settings });
+    assert!(packed.image == looped.image);
 }
