@@ -4,16 +4,17 @@ use super::ReportError;
 use super::folder::Kind;
 use super::plan;
 use super::session::Session;
+use crate::host::HostError;
 use crate::picture::Picture;
 use crate::stats::{Spread, Stats};
-use deferred_aa::{Settings, Technique};
+use deferred_aa::{Execution, RecordError, Settings, Technique};
 use serde::{Deserialize, Serialize};
 
 /// One way.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ExecutionRow {
-    /// As in the settings.
-    pub execution: String,
+    /// Which.
+    pub execution: Execution,
     /// Samples along one side of a window.
     pub m: u32,
     /// How often the light loop ran.
@@ -32,21 +33,30 @@ pub struct ExecutionRow {
     pub max_difference: f64,
 }
 
-/// Windowed with the request's settings at this m, by every execution, and Full among them for β.
+/// Windowed with the request's settings at this m, by every execution, and Full among them for β. One whose lists do not
+/// fit the device is left out.
 pub fn executions(session: &Session, m: u32) -> Result<Vec<ExecutionRow>, ReportError> {
     let request = &session.request;
     let settings = Settings { technique: Technique::Windowed, ..request.base };
-    let all: Vec<_> = plan::EXECUTIONS.iter().map(|&execution| Settings { execution, ..settings }).collect();
+    let mut all: Vec<_> = Execution::ALL.iter().map(|&execution| Settings { execution, ..settings }).collect();
     let fingerprint = session.fingerprint.with(&("executions", m, request.stall, request.frames, &all)).hex();
     if let Some(rows) = session.folder.finished(Kind::Part, "executions", &fingerprint) {
         return Ok(rows);
     }
     let mut host = session.host(m)?;
     let mut pictures = Vec::new();
+    let mut left_out = Vec::new();
     for &settings in &all {
-        session.frame(&mut host, settings)?;
-        pictures.push(host.picture());
+        match session.frame(&mut host, settings) {
+            Ok(_) => pictures.push(host.picture()),
+            Err(ReportError::Host(HostError::Record(e @ RecordError::List { .. }))) => {
+                session.note(&e.to_string());
+                left_out.push(settings);
+            }
+            Err(e) => return Err(e),
+        }
     }
+    all.retain(|settings| !left_out.contains(settings));
     let full = plan::grid(request.base);
     session.frame(&mut host, full)?;
     let (mut shots, mut full_shots) = (vec![Vec::new(); all.len()], Vec::new());
@@ -64,7 +74,7 @@ pub fn executions(session: &Session, m: u32) -> Result<Vec<ExecutionRow>, Report
         let Some(stats) = Stats::new(&host, settings, shots, None) else { continue };
         let ratios = nodes[i].iter().zip(&nodes[0]).filter_map(|(a, b)| Some(a.as_ref()? / b.as_ref()?));
         rows.push(ExecutionRow {
-            execution: format!("{:?}", settings.execution).to_lowercase(),
+            execution: settings.execution,
             m,
             stall: request.stall,
             samples_ratio: stats.samples.ratio,

@@ -8,12 +8,15 @@ use sha2::{Digest as _, Sha256};
 pub struct Fingerprint(Sha256);
 
 /// All shader code that has a part in an image. The library's own too: a result of other code is another result.
-const CODE: [&str; 16] = [
+const CODE: [&str; 19] = [
     crate::host::SHADING_WGSL,
     include_str!("../raster.wgsl"),
     include_str!("../../../shaders/contract.wgsl"),
     include_str!("../../../shaders/evaluate.wgsl"),
     include_str!("../../../shaders/first.wgsl"),
+    include_str!("../../../shaders/list.wgsl"),
+    include_str!("../../../shaders/listed.wgsl"),
+    include_str!("../../../shaders/max_filter.wgsl"),
     include_str!("../../../shaders/mean.wgsl"),
     include_str!("../../../shaders/metrics.wgsl"),
     include_str!("../../../shaders/octahedral.wgsl"),

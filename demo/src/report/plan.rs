@@ -2,7 +2,7 @@
 
 use super::schema::Role;
 use crate::peers::Peer;
-use deferred_aa::{Execution, Settings, Technique, Weight, Windowed};
+use deferred_aa::{Settings, Technique, Weight, Windowed};
 
 /// One entry to measure.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,9 +28,6 @@ pub const TECHNIQUES: [&str; 3] = ["full", "single", "windowed"];
 
 /// Peers, of which `--techniques` takes the names too, and how people call them.
 pub const PEERS: [(Peer, &str); 2] = [(Peer::Fxaa, "FXAA"), (Peer::Smaa, "SMAA 1x")];
-
-/// Every way to run planned samples, the one first that the others are held against.
-pub const EXECUTIONS: [Execution; 2] = [Execution::Loop, Execution::Tiled];
 
 /// Settings of Windowed that have a name, and how people call them.
 pub const PRESETS: [(&str, &str, Windowed); 1] = [("paper", "Windowed, as in the paper", Windowed::PAPER)];

@@ -161,3 +161,64 @@ fn frontier(entries: &[Entry]) -> Frontier {
     };
     Frontier { time: by(&Entry::total_ms), samples: by(&|e| Some(e.stats.samples.mean_k)) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::{self, Gpu};
+    use crate::host;
+    use crate::report::folder::Folder;
+    use crate::scene::builtin::builtin;
+    use deferred_aa::{Settings, TextureTier};
+    use std::path::Path;
+
+    fn session(path: &Path) -> Session {
+        let request = Request {
+            command: "a test".to_owned(),
+            width: 32,
+            height: 18,
+            ms: vec![2],
+            techniques: vec!["single"],
+            stall: 1,
+            quick: true,
+            frames: 1,
+            textures: TextureTier::Arrays,
+            anisotropy: 16,
+            base: Settings::default(),
+            resume: true,
+            cache: Some(path.join("cache")),
+        };
+        let gpu = Gpu::new(gpu::choose(None).unwrap(), &host::descriptor(2, request.textures)).unwrap();
+        let folder = Folder::open(&path.join("out"), 0, true).unwrap();
+        let scene = builtin("cornell").unwrap();
+        let view = scene.default_camera();
+        Session::new(request, gpu, scene, view, folder, 1)
+    }
+
+    #[test]
+    fn a_lost_device_leaves_what_is_finished() {
+        let path = std::env::temp_dir().join(format!("deferred-aa-lost-{}", std::process::id()));
+        let _ = std::fs::remove_dir_all(&path);
+        let whole = run(&mut session(&path)).unwrap();
+        assert_eq!(whole.entries.len(), 2);
+
+        std::fs::remove_file(path.join("out/entries/single-m1.json")).unwrap();
+        std::fs::remove_file(path.join("out/report.json")).unwrap();
+        let mut lost = session(&path);
+        lost.gpu.device.destroy();
+        let error = run(&mut lost).unwrap_err();
+        assert!(matches!(error, ReportError::Unfinished { kept: 1, planned: 2, .. }), "{error}");
+        let message = error.to_string();
+        assert!(message.contains("device was lost") && message.contains("1 of 2 entries"), "{message}");
+        assert!(message.contains("--resume") && message.lines().count() == 1, "{message}");
+        let read =
+            || -> Report { serde_json::from_slice(&std::fs::read(path.join("out/report.json")).unwrap()).unwrap() };
+        assert_eq!((read().entries.len(), read().unfinished), (1, vec!["single-m1".to_owned()]));
+        assert!(path.join("out/report.html").is_file());
+
+        let resumed = run(&mut session(&path)).unwrap();
+        assert!(resumed.entries.len() == 2 && resumed.unfinished.is_empty());
+        assert!(resumed.entries[0].stats == whole.entries[0].stats, "measured again");
+        std::fs::remove_dir_all(&path).unwrap();
+    }
+}

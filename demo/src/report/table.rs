@@ -32,7 +32,7 @@ pub fn table(report: &Report) -> String {
         let (beta, relative) = (number(row.beta, 2), number(row.relative_to_loop, 2));
         text += &format!(
             "{:<14} m = {}  {:>5.1} %  node {:>8} ms  {relative} of loop  β {beta}\n",
-            row.execution,
+            format!("{:?}", row.execution),
             row.m,
             row.samples_ratio * 100.0,
             number(row.node_ms.map(|s| s.median), 1)

@@ -148,3 +148,85 @@ fn halves(r: Rect) -> [Rect; 2] {
         [Rect { height: half, ..r }, Rect { y: r.y + half, height: r.height - half, ..r }]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::{self, Gpu};
+    use crate::host::Options;
+    use crate::quality;
+    use crate::raster::node_camera;
+    use crate::scene::builtin::builtin;
+    use crate::scene::{Light, LightKind, Scene};
+    use deferred_aa::TextureTier;
+    use glam::{Mat4, Vec3};
+
+    const SIZE: (u32, u32) = (64, 36);
+
+    fn host(scene: Scene, m: u32) -> Host {
+        let textures = TextureTier::Arrays;
+        let gpu = Gpu::new(gpu::choose(None).unwrap(), &host::descriptor(m, textures)).unwrap();
+        let (width, height) = SIZE;
+        Host::new(gpu, scene, Options { width, height, m, textures, stall: 1, anisotropy: 16 }).unwrap()
+    }
+
+    fn rendered(m: u32, side: u32) -> Picture {
+        let scene = builtin("cornell").unwrap();
+        let camera = node_camera(&scene.default_camera(), SIZE.0, SIZE.1);
+        render(&mut host(scene, m), camera, side, || Ok(())).unwrap()
+    }
+
+    /// The same places by another way: m = 4, and the moves spelled out in clip space.
+    fn brute_force() -> Picture {
+        let scene = builtin("cornell").unwrap();
+        let still = node_camera(&scene.default_camera(), SIZE.0, SIZE.1);
+        let mut host = host(scene, 4);
+        let mut sum = vec![[0.0f64; 4]; (SIZE.0 * SIZE.1) as usize];
+        for (i, j) in (0..4).flat_map(|i| (0..4).map(move |j| (i, j))) {
+            // Place 4a + i of 16 is this far from place a of 4.
+            let pixels = |i: i32| (i as f32 + 0.5) / 16.0 - 0.5 / 4.0;
+            let clip = Vec3::new(-pixels(i) * 2.0 / SIZE.0 as f32, pixels(j) * 2.0 / SIZE.1 as f32, 0.0);
+            let clip_from_view = Mat4::from_translation(clip) * still.clip_from_view;
+            host.frame_with(deferred_aa::Camera { clip_from_view, ..still }, plan::grid(Settings::default())).unwrap();
+            for (sum, c) in sum.iter_mut().zip(host.picture().rgba) {
+                sum.iter_mut().zip(c).for_each(|(s, c)| *s += f64::from(c) / 16.0);
+            }
+        }
+        Picture::new(SIZE.0, SIZE.1, sum.iter().map(|s| s.map(|c| c as f32)).collect()).unwrap()
+    }
+
+    #[test]
+    fn a_truth_is_the_mean_over_its_grid() {
+        let (truth, brute) = (rendered(8, 16), brute_force());
+        let finest = rendered(8, 32);
+        let grid = rendered(4, 4);
+        let to_finest = |p: &Picture| quality::psnr(p, &finest).unwrap();
+        let same = quality::psnr(&truth, &brute).unwrap();
+        // Rasters of other sizes snap vertices to other places, and the target has halves.
+        assert!(same > 55.0, "{same} dB between two ways to the same samples");
+        assert!(to_finest(&truth) > to_finest(&grid) + 6.0, "{} and {} dB", to_finest(&truth), to_finest(&grid));
+    }
+
+    #[test]
+    fn a_sample_that_is_not_finite_is_found() {
+        let mut scene = builtin("flat").unwrap();
+        let place = Vec3::new(-1.0, 0.7, 0.02);
+        // Infinite where it shines, which is in less than a pixel.
+        scene.lights.push(Light {
+            kind: LightKind::Point,
+            position: place,
+            direction: Vec3::NEG_Y,
+            intensity: Vec3::splat(1e38),
+            range: 0.08,
+        });
+        let camera = node_camera(&scene.default_camera(), SIZE.0, SIZE.1);
+        let view_from_world = camera.world_from_view.inverse();
+        let seen = camera.clip_from_view.project_point3(view_from_world.transform_point3(place.with_z(0.0)));
+        let expected = ((seen.x + 1.0) * 0.5 * SIZE.0 as f32, (1.0 - seen.y) * 0.5 * SIZE.1 as f32);
+        let error = render(&mut host(scene, 4), camera, 8, || Ok(())).unwrap_err();
+        let ReportError::NotFinite { pixel: Some((x, y)), .. } = error else { panic!("{error}") };
+        let near = |a: u32, b: f32| (a as f32 + 0.5 - b).abs() < 1.0;
+        assert!(near(x, expected.0) && near(y, expected.1), "({x}, {y}) for {expected:?}");
+        assert!(error.to_string().contains(&format!("({x}, {y})")), "{error}");
+    }
+}
