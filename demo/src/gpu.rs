@@ -115,6 +115,8 @@ impl Gpu {
 
     /// Why the device is gone, once it is: nothing that it is asked for arrives any more.
     pub fn lost(&self) -> Option<String> {
+        // The callback runs when the device is polled.
+        let _ = self.device.poll(wgpu::PollType::Poll);
         self.lost.lock().unwrap_or_else(std::sync::PoisonError::into_inner).clone()
     }
 

@@ -272,35 +272,37 @@ fn finished(folder: &Folder) -> BTreeMap<PathBuf, SystemTime> {
 #[test]
 fn resuming_measures_what_is_missing_and_nothing_else() {
     let folder = Folder::new("resume");
-    let first = succeed(&folder, &[]);
+    let few = ["--scene", "cornell", "--techniques", "single,windowed"];
+    let with = |more: &[&'static str]| succeed(&folder, &[&few[..], more].concat());
+    let first = with(&[]);
     assert_eq!(first["truth"]["cached"], false);
     let all = finished(&folder);
-    let second = succeed(&folder, &["--resume"]);
+    let second = with(&["--resume"]);
     assert_eq!(finished(&folder), all, "nothing was missing");
     assert_eq!(second["truth"]["cached"], true);
-    for part in ["entries", "cost", "oracles", "executions", "temporal", "frontier", "crops"] {
+    for part in ["entries", "oracles", "executions", "temporal", "frontier", "crops"] {
         assert!(second[part] == first[part], "{part} has changed");
     }
 
     // As after an interruption.
     let out = folder.out();
-    for name in ["entries/windowed-m2.json", "parts/cost-m.json", "report.json", "report.html", "single-m2.png"] {
+    for name in ["entries/windowed-m2.json", "parts/executions.json", "report.json", "report.html", "single-m2.png"] {
         std::fs::remove_file(out.join(name)).unwrap();
     }
-    let third = succeed(&folder, &["--resume"]);
+    let third = with(&["--resume"]);
     let again = finished(&folder);
     let changed: Vec<_> = again
         .iter()
         .filter(|(path, time)| all.get(*path) != Some(*time))
         .map(|(path, _)| path.file_stem().unwrap().to_str().unwrap())
         .collect();
-    assert_eq!(changed, ["single-m2", "windowed-m2", "cost-m"]);
+    assert_eq!(changed, ["single-m2", "windowed-m2", "executions"]);
     let ids = |report: &Value| entries(report).iter().map(|e| e["id"].clone()).collect::<Vec<_>>();
     assert_eq!(ids(&third), ids(&first), "in the order of the plan");
     assert_eq!(find(&third, "windowed-m2")["quality"], find(&first, "windowed-m2")["quality"]);
 
     // Other options: other results, but the same truth.
-    let other = succeed(&folder, &["--resume", "--stall", "2"]);
+    let other = with(&["--resume", "--stall", "2"]);
     assert_eq!(other["truth"]["cached"], true);
     assert!(
         finished(&folder)
@@ -308,14 +310,14 @@ fn resuming_measures_what_is_missing_and_nothing_else() {
             .filter(|(path, _)| path.starts_with(out.join("entries")))
             .all(|(path, time)| again[path] != *time)
     );
-    let unlike = succeed(&folder, &["--resume", "--stall", "2", "--camera", "0,1,3,0,1,-5"]);
+    let unlike = with(&["--resume", "--stall", "2", "--camera", "0,0,3,0.1,0,-1"]);
     assert_eq!(unlike["truth"]["cached"], false);
 }
 
 #[test]
 fn without_resume_everything_is_measured_again() {
     let folder = Folder::new("again");
-    let few = ["--techniques", "single"];
+    let few = ["--scene", "cornell", "--techniques", "single"];
     succeed(&folder, &few);
     let first = finished(&folder);
     succeed(&folder, &few);
@@ -325,7 +327,7 @@ fn without_resume_everything_is_measured_again() {
 #[test]
 fn a_truth_that_has_changed_on_disk_is_rendered_anew() {
     let folder = Folder::new("cache");
-    let few = ["--techniques", "single", "--m", "1"];
+    let few = ["--scene", "cornell", "--techniques", "single", "--m", "1"];
     succeed(&folder, &few);
     let truth = folder.image("truth.png");
     let cached = std::fs::read_dir(folder.0.join("cache")).unwrap().map(|f| f.unwrap().path());

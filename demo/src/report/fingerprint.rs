@@ -107,7 +107,7 @@ mod tests {
         let same = Fingerprint::of_scene(&scene).hex();
         assert_eq!(same, Fingerprint::of_scene(&builtin("fence").unwrap()).hex());
         let changes: [fn(&mut Scene); 8] = [
-            |s| s.meshes[0].positions[0].x += 1e-6,
+            |s| s.meshes[0].positions[0].x = s.meshes[0].positions[0].x.next_up(),
             |s| s.meshes[0].colors[0].w *= 0.5,
             |s| s.meshes[0].indices.swap(0, 1),
             |s| s.instances[0].world_from_mesh.w_axis.x += 1e-3,
