@@ -16,6 +16,7 @@ pub mod peers;
 pub mod picture;
 pub mod quality;
 pub mod raster;
+pub mod report;
 pub mod scene;
 pub mod stats;
 pub mod temporal;

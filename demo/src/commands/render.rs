@@ -42,7 +42,7 @@ impl Render {
             return Err(CommandError::Argument { argument: "--goal".to_owned(), problem });
         }
         let (mut host, camera) = self.view.open()?;
-        let out = &self.view.out;
+        let out = &self.view.scene.out;
         if let Some(wanted) = self.goal {
             let (frames, progress) = goal::seek(&mut host, &camera, settings)?;
             say(&goal::ended(wanted, frames, progress));
