@@ -19,4 +19,5 @@ pub mod raster;
 pub mod scene;
 pub mod stats;
 pub mod temporal;
+pub mod tune;
 pub mod upload;

@@ -4,6 +4,7 @@ mod adapters;
 mod demo;
 mod render;
 mod set;
+mod tune;
 
 use crate::gpu::{self, Gpu, GpuError};
 use crate::host::{self, Host, HostError, Options};
@@ -31,6 +32,8 @@ enum Command {
     Render(render::Render),
     /// Renders a scene by Single, Windowed and Full, draws a comparison strip and prints a table.
     Demo(demo::Demo),
+    /// Searches the settings of windowed for presets that reach given errors with the fewest samples on several scenes.
+    Tune(tune::Tune),
     /// Lists the graphics adapters and what each can run.
     Adapters,
 }
@@ -77,6 +80,7 @@ impl Cli {
         match self.command {
             Command::Render(render) => render.run(),
             Command::Demo(demo) => demo.run(),
+            Command::Tune(tune) => tune.run(),
             Command::Adapters => {
                 adapters::run();
                 Ok(())
