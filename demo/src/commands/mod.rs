@@ -14,7 +14,7 @@ use crate::quality::QualityError;
 use crate::raster::look_at;
 use crate::scene::load::LoadError;
 use crate::scene::{Camera, Scene, builtin, load};
-use deferred_aa::{Technique, TextureTier};
+use deferred_aa::{Preset, Technique, TextureTier};
 use glam::Vec3;
 use std::path::{Path, PathBuf};
 
@@ -220,6 +220,18 @@ impl ViewArgs {
             eprintln!("note: {notice}");
         }
         Ok((host, camera))
+    }
+}
+
+fn parse_preset(text: &str) -> Result<Preset, String> {
+    match text {
+        "fast" => Ok(Preset::Fast),
+        "balanced" => Ok(Preset::Balanced),
+        "quality" => Ok(Preset::Quality),
+        _ => {
+            let meant = did_you_mean(text, &["fast", "balanced", "quality"]);
+            Err(format!("no preset '{text}':{meant} choose fast, balanced or quality"))
+        }
     }
 }
 

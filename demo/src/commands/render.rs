@@ -1,10 +1,10 @@
 //! `render`: one technique on one view, with everything that it wrote.
 
-use super::{CommandError, ViewArgs, parse_technique, set};
+use super::{CommandError, ViewArgs, parse_preset, parse_technique, set};
 use crate::picture;
 use crate::quality;
 use crate::stats::Stats;
-use deferred_aa::{DebugView, Settings, Technique};
+use deferred_aa::{DebugView, Preset, Settings, Technique};
 use std::path::Path;
 
 /// See `deferred-aa-demo render --help`.
@@ -15,7 +15,10 @@ pub struct Render {
     /// full, single or windowed.
     #[arg(long, default_value = "windowed", value_parser = parse_technique)]
     technique: Technique,
-    /// Any field of the settings by its path, such as windowed.luminance_scale=40 or execution=loop; may be repeated.
+    /// The settings of windowed: fast, balanced or quality.
+    #[arg(long, default_value = "balanced", value_parser = parse_preset)]
+    preset: Preset,
+    /// On top of the preset, any field of the settings by its path, such as windowed.luminance_scale=40 or execution=loop; may be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     settings: Vec<String>,
     /// Measured frames, after one that warms up.
@@ -28,7 +31,7 @@ pub struct Render {
 
 impl Render {
     pub fn run(self) -> Result<(), CommandError> {
-        let settings = set::apply(Settings { technique: self.technique, ..Default::default() }, &self.settings)?;
+        let settings = set::apply(Settings { technique: self.technique, ..self.preset.settings() }, &self.settings)?;
         let (mut host, camera) = self.view.open()?;
         let out = &self.view.out;
 

@@ -37,7 +37,7 @@ pub struct Tune {
     #[arg(long)]
     adapter: Option<String>,
     /// Where tune.json goes; made if it is not there.
-    #[arg(long)]
+    #[arg(long, overrides_with = "out")]
     out: PathBuf,
 }
 
@@ -96,6 +96,26 @@ struct OnScene {
     time_over_full: Option<Spread>,
 }
 
+impl Record {
+    /// Where the next search begins: at the last preset's settings, the first at the default.
+    fn start(&self) -> Windowed {
+        self.presets.last().map_or(Windowed::default(), |p| p.windowed)
+    }
+}
+
+impl Preset {
+    fn new(name: &'static str, task: Task, found: &Point, subjects: &[Subject]) -> Self {
+        let on = |(subject, figures): (&Subject, &Figures)| OnScene {
+            scene: subject.name.clone(),
+            figures: *figures,
+            held_out: None,
+            time_over_full: None,
+        };
+        let scenes = subjects.iter().zip(&found.figures).map(on).collect();
+        Self { name, task, windowed: found.windowed, mean_ratio: found.mean_ratio(), scenes }
+    }
+}
+
 impl From<SubjectError> for CommandError {
     fn from(e: SubjectError) -> Self {
         match e {
@@ -129,29 +149,19 @@ impl Tune {
         write_json(&path, &record)?;
         let searches = NAMES.len() * if holdout { 1 + subjects.len() } else { 1 };
         let bar = progress(searches * rounds);
-        let mut start = Windowed::default();
         for (name, floor_db) in NAMES.into_iter().zip(self.target_db) {
             let task = Task { floor_db, rounds };
-            let found = search(&mut subjects, None, start, task, &bar, name)?;
-            let mut scenes = Vec::new();
-            for (i, figures) in found.figures.iter().enumerate() {
-                let held_out = if holdout {
-                    let blind = search(&mut subjects, Some(i), start, task, &bar, name)?;
-                    Some(subjects[i].figures(blind.windowed)?)
-                } else {
-                    None
-                };
-                let scene = subjects[i].name.clone();
-                scenes.push(OnScene { scene, figures: *figures, held_out, time_over_full: None });
-            }
-            start = found.windowed;
-            let mean_ratio = found.mean_ratio();
-            record.presets.push(Preset { name, task, windowed: found.windowed, mean_ratio, scenes });
+            let found = search(&mut subjects, None, record.start(), task, &bar, name)?;
+            record.presets.push(Preset::new(name, task, &found, &subjects));
             record.evaluated = evaluated(&subjects);
             write_json(&path, &record)?;
         }
+        if holdout {
+            hold_out(&mut subjects, &mut record.presets, &bar)?;
+        }
         bar.finish_and_clear();
         measure_times(&mut subjects, &mut record.presets)?;
+        record.evaluated = evaluated(&subjects);
         write_json(&path, &record)?;
         say(&summary(&record, &path));
         Ok(())
@@ -212,6 +222,22 @@ fn search(
     let without = held_out.map_or(String::new(), |i| format!(" without {}", subjects[i].name));
     bar.set_message(format!("{preset}{without}"));
     Tuner { subjects, held_out }.search(start, task, |_| bar.inc(1))
+}
+
+/// Searches again without each scene in turn, and tries on it what was found without it.
+fn hold_out(subjects: &mut [Subject], presets: &mut [Preset], bar: &ProgressBar) -> Result<(), SubjectError> {
+    let mut start = Windowed::default();
+    for preset in presets {
+        for i in 0..subjects.len() {
+            let blind = search(subjects, Some(i), start, preset.task, bar, preset.name)?;
+            let figures = subjects[i].figures(blind.windowed)?;
+            if let Some(scene) = preset.scenes.get_mut(i) {
+                scene.held_out = Some(figures);
+            }
+        }
+        start = preset.windowed;
+    }
+    Ok(())
 }
 
 fn evaluated(subjects: &[Subject]) -> Vec<Vec<Tried>> {
