@@ -70,7 +70,9 @@ pub use goal::{GoalProgress, GoalState};
 pub use node::{DeferredAa, Descriptor, Intermediates, Pass, Recording, Shading};
 pub use pipeline::{PassInfo, Resource};
 pub use requirements::{Memory, Requirements};
-pub use settings::{DebugView, DepthMeasure, Execution, Goal, LuminanceCurve, Settings, Technique, Weight, Windowed};
+pub use settings::{
+    DebugView, DepthMeasure, Execution, Goal, LuminanceCurve, Preset, Settings, Technique, Weight, Windowed,
+};
 pub use statistics::{PassTime, Statistics};
 pub use table::{
     BINDING_FEATURES, MAX_CLASSES, MAX_SAMPLERS, TableSampler, TableTexture, TextureTable, TextureTier, classes,

@@ -79,8 +79,8 @@ impl Execution {
 
 /// The metrics of [`Technique::Windowed`]: k is the greatest that any of them asks for, rounded, from 1 to n = m².
 ///
-/// Each metric has a constant c of its own; 0 switches it off. The default is tuned on built-in scenes; [`Self::PAPER`]
-/// has the paper's metrics alone.
+/// Each metric has a constant c of its own; 0 switches it off. The default is [`Preset::Balanced`]; [`Self::PAPER`] has the
+/// paper's metrics alone.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct Windowed {
@@ -240,6 +240,25 @@ impl Windowed {
 
     /// 64 pixels of 63 samples beyond the first.
     pub const NO_TILE_LIMIT: u32 = 64 * 63;
+
+    /// What all presets share: every addition to the paper, no metric.
+    const OURS: Self = Self {
+        depth: DepthMeasure::Discontinuity,
+        depth_scale: 0.0,
+        normal_scale: 0.0,
+        two_sided: false,
+        luminance_scale: 0.0,
+        luminance_min: 0.0,
+        luminance_edge: 0.0,
+        luminance: LuminanceCurve::Perceptual,
+        luminance_centre: true,
+        identity_samples: 0.0,
+        least_samples: 1.0,
+        footprint: 1.0,
+        centred: true,
+        edge_aware_first: true,
+        tile_limit: Self::NO_TILE_LIMIT,
+    };
 }
 
 impl Windowed {
@@ -265,23 +284,64 @@ impl Windowed {
 
 impl Default for Windowed {
     fn default() -> Self {
-        Self {
-            depth: DepthMeasure::Discontinuity,
-            depth_scale: 4000.0,
-            normal_scale: 24.0,
-            two_sided: false,
-            luminance_scale: 110.0,
-            luminance_min: 0.01,
-            luminance_edge: 0.02,
-            luminance: LuminanceCurve::Perceptual,
-            luminance_centre: true,
-            identity_samples: 0.0,
-            least_samples: 1.0,
-            footprint: 0.6,
-            centred: true,
-            edge_aware_first: true,
-            tile_limit: Self::NO_TILE_LIMIT,
+        Preset::default().windowed()
+    }
+}
+
+/// Settings of [`Technique::Windowed`] for a choice of three: found by `deferred-aa-demo tune`, which finds others for scenes of
+/// your own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+pub enum Preset {
+    /// FASTDOC
+    Fast,
+    /// BALANCEDDOC
+    #[default]
+    Balanced,
+    /// QUALITYDOC
+    Quality,
+}
+
+impl Preset {
+    /// All of them, the fewest samples first.
+    pub const ALL: [Self; 3] = [Self::Fast, Self::Balanced, Self::Quality];
+
+    /// The metrics.
+    pub const fn windowed(self) -> Windowed {
+        match self {
+            Self::Fast => Windowed {
+                depth_scale: 4000.0,
+                normal_scale: 24.0,
+                luminance_scale: 110.0,
+                luminance_min: 0.01,
+                luminance_edge: 0.02,
+                footprint: 0.6,
+                ..Windowed::OURS
+            },
+            Self::Balanced => Windowed {
+                depth_scale: 4000.0,
+                normal_scale: 24.0,
+                luminance_scale: 110.0,
+                luminance_min: 0.01,
+                luminance_edge: 0.02,
+                footprint: 0.6,
+                ..Windowed::OURS
+            },
+            Self::Quality => Windowed {
+                depth_scale: 4000.0,
+                normal_scale: 24.0,
+                luminance_scale: 110.0,
+                luminance_min: 0.01,
+                luminance_edge: 0.02,
+                footprint: 0.6,
+                ..Windowed::OURS
+            },
         }
+    }
+
+    /// The metrics in settings whose other fields are the defaults.
+    pub fn settings(self) -> Settings {
+        Settings { windowed: self.windowed(), ..Default::default() }
     }
 }
 
@@ -312,5 +372,22 @@ impl Settings {
             }
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn presets_are_sound_and_differ() {
+        for preset in Preset::ALL {
+            assert_eq!(preset.settings().validate(), Ok(()), "{preset:?}");
+            assert_eq!(preset.settings(), Settings { windowed: preset.windowed(), ..Default::default() });
+        }
+        let [fast, balanced, quality] = Preset::ALL.map(Preset::windowed);
+        assert!(fast != balanced && balanced != quality && quality != fast);
+        assert_eq!(Windowed::default(), balanced);
+        assert_eq!(Settings::default(), Preset::Balanced.settings());
     }
 }

@@ -20,4 +20,5 @@ pub mod report;
 pub mod scene;
 pub mod stats;
 pub mod temporal;
+pub mod tune;
 pub mod upload;

@@ -1,10 +1,10 @@
 //! `render`: one technique on one view, with everything that it wrote.
 
-use super::{CommandError, ViewArgs, goal, parse_technique, say, set};
+use super::{CommandError, ViewArgs, goal, parse_preset, parse_technique, say, set};
 use crate::picture;
 use crate::quality;
 use crate::stats::Stats;
-use deferred_aa::{DebugView, Goal, Settings, Technique};
+use deferred_aa::{DebugView, Goal, Preset, Settings, Technique};
 use std::path::Path;
 
 /// See `deferred-aa-demo render --help`.
@@ -15,7 +15,10 @@ pub struct Render {
     /// full, single or windowed.
     #[arg(long, default_value = "windowed", value_parser = parse_technique)]
     technique: Technique,
-    /// Any field of the settings by its path, such as windowed.luminance_scale=40 or execution=loop; may be repeated.
+    /// The settings of windowed: fast, balanced or quality.
+    #[arg(long, default_value = "balanced", value_parser = parse_preset)]
+    preset: Preset,
+    /// On top of the preset, any field of the settings by its path, such as windowed.luminance_scale=40 or execution=loop; may be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     settings: Vec<String>,
     /// An error or a time to keep to, such as error=0.01 (40 dB) or time=8 (milliseconds of the node): renders until the
@@ -32,7 +35,7 @@ pub struct Render {
 
 impl Render {
     pub fn run(self) -> Result<(), CommandError> {
-        let settings = set::apply(Settings { technique: self.technique, ..Default::default() }, &self.settings)?;
+        let settings = set::apply(Settings { technique: self.technique, ..self.preset.settings() }, &self.settings)?;
         let settings = Settings { goal: self.goal, ..settings };
         settings
             .validate()
