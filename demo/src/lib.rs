@@ -5,6 +5,7 @@
 #![deny(missing_docs)]
 
 pub mod commands;
+pub mod goal;
 pub mod gpu;
 pub mod host;
 #[cfg(test)]

@@ -372,7 +372,8 @@ fn a_glb_given_by_a_path_with_spaces_renders() {
 
 /// A tiny `tune` with these arguments on top.
 fn tune(folder: &Folder, arguments: &[&str]) -> Output {
-    let all = [&["tune", "--size", "32x18", "--m", "2", "--out", &folder.path("out")], arguments].concat();
+    let out = folder.path("out");
+    let all = [&["tune", "--size", "32x18", "--m", "2", "--out", &out], arguments].concat();
     demo(&all).output().unwrap()
 }
 

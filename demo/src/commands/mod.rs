@@ -2,7 +2,6 @@
 
 mod adapters;
 mod demo;
-mod goal;
 mod render;
 mod report;
 mod set;

@@ -1,6 +1,7 @@
 //! `render`: one technique on one view, with everything that it wrote.
 
-use super::{CommandError, ViewArgs, goal, parse_preset, parse_technique, say, set};
+use super::{CommandError, ViewArgs, parse_preset, parse_technique, say, set};
+use crate::goal;
 use crate::picture;
 use crate::quality;
 use crate::stats::Stats;
@@ -47,7 +48,7 @@ impl Render {
         let (mut host, camera) = self.view.open()?;
         let out = &self.view.scene.out;
         if let Some(wanted) = self.goal {
-            let (frames, progress) = goal::seek(&mut host, &camera, settings)?;
+            let (frames, progress) = goal::seek(|| host.frame(&camera, settings))?;
             say(&goal::ended(wanted, frames, progress));
         }
 

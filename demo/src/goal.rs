@@ -1,8 +1,7 @@
-//! Goals on the command line.
+//! Goals: read from the command line, and rendered until the search rests.
 
-use crate::host::{Host, HostError};
-use crate::scene::Camera;
-use deferred_aa::{Goal, GoalProgress, GoalState, Settings};
+use crate::host::Shot;
+use deferred_aa::{Goal, GoalProgress, GoalState};
 
 /// error=E or time=MS.
 pub fn parse(text: &str) -> Result<Goal, String> {
@@ -21,18 +20,18 @@ const MOST_FRAMES: u32 = 600;
 /// Frames without a change after which it does.
 const REST: u32 = 40;
 
-/// Renders until the goal's effort has not changed for some frames. Frames until the last change, and the end.
-pub fn seek(host: &mut Host, camera: &Camera, settings: Settings) -> Result<(u32, Option<GoalProgress>), HostError> {
+/// Renders frames until the goal's effort has not changed for some of them. Frames until the last change, and the end.
+pub fn seek<E>(mut frame: impl FnMut() -> Result<Shot, E>) -> Result<(u32, Option<GoalProgress>), E> {
     let mut last: Option<GoalProgress> = None;
     let mut changed = 0;
-    for frame in 0..MOST_FRAMES {
-        let progress = host.frame(camera, settings)?.statistics.goal;
+    for i in 0..MOST_FRAMES {
+        let progress = frame()?.statistics.goal;
         if progress.map(|p| p.effort) != last.map(|p| p.effort) {
-            changed = frame;
+            changed = i;
         }
         last = progress;
         let rests = last.is_some_and(|p| p.state != GoalState::Seeking);
-        if rests && frame - changed >= REST {
+        if rests && i - changed >= REST {
             break;
         }
     }
