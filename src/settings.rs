@@ -265,30 +265,30 @@ impl Preset {
     pub const fn windowed(self) -> Windowed {
         match self {
             Self::Fast => Windowed {
-                depth_scale: 4000.0,
-                normal_scale: 24.0,
-                luminance_scale: 110.0,
-                luminance_min: 0.01,
-                luminance_edge: 0.02,
+                depth_scale: 50.0,
+                normal_scale: 12.0,
+                luminance_scale: 70.0,
+                luminance_min: 0.03,
+                luminance_edge: 0.12,
                 footprint: 0.6,
                 ..Windowed::OURS
             },
             Self::Balanced => Windowed {
-                depth_scale: 4000.0,
-                normal_scale: 24.0,
-                luminance_scale: 110.0,
-                luminance_min: 0.01,
-                luminance_edge: 0.02,
+                depth_scale: 100.0,
+                normal_scale: 12.0,
+                luminance_scale: 120.0,
+                luminance_min: 0.02,
+                luminance_edge: 0.12,
                 footprint: 0.6,
                 ..Windowed::OURS
             },
             Self::Quality => Windowed {
-                depth_scale: 4000.0,
+                depth_scale: 200.0,
                 normal_scale: 24.0,
-                luminance_scale: 110.0,
-                luminance_min: 0.01,
-                luminance_edge: 0.02,
-                footprint: 0.6,
+                luminance_scale: 250.0,
+                luminance_min: 0.015,
+                luminance_edge: 0.08,
+                footprint: 0.5,
                 ..Windowed::OURS
             },
         }

@@ -170,13 +170,11 @@ impl Tune {
     fn subjects(&self) -> Result<Vec<Subject>, CommandError> {
         let builtin = ["atrium", "fence", "checker", "spheres", "cornell"].map(str::to_owned).to_vec();
         let specs = if self.scenes.is_empty() { builtin } else { self.scenes.clone() };
-        // All names are read before the first scene is opened.
         let views: Vec<_> = specs.iter().map(|s| self.view(s)).collect::<Result<_, _>>()?;
-        let open = |(spec, view): (String, ViewArgs)| {
-            let (host, camera) = view.open()?;
-            Ok(Subject::new(spec, host, camera)?)
-        };
-        specs.into_iter().zip(views).map(open).collect()
+        // All scenes are opened before the first frame is rendered.
+        let opened: Vec<_> = views.iter().map(ViewArgs::open).collect::<Result<_, _>>()?;
+        let subject = |(spec, (host, camera))| Ok(Subject::new(spec, host, camera)?);
+        specs.into_iter().zip(opened).map(subject).collect()
     }
 
     /// NAME, FILE, NAME@CAMERA or FILE@CAMERA.

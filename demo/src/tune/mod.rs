@@ -140,6 +140,12 @@ impl Tuner<'_> {
         Ok((point.ln_ratio() - rate * spare.min(1.0), point))
     }
 
+    /// [`cost`](Self::cost) of settings whose `luminance_scale` may be far off.
+    fn cost_from_afar(&mut self, windowed: Windowed, floor_db: f64) -> Result<(f64, Point), SubjectError> {
+        let near = self.near_floor(windowed, floor_db, 8)?.windowed;
+        self.cost(near, floor_db)
+    }
+
     /// The settings that need the fewest samples over the floor. `after_round` hears of the best cost so far.
     pub fn search(
         &mut self,
@@ -147,8 +153,13 @@ impl Tuner<'_> {
         task: Task,
         mut after_round: impl FnMut(&Found),
     ) -> Result<Point, SubjectError> {
+        // Few samples for every faint edge, or many for the strong ones alone: two valleys, and no step leads across.
+        let strong = Windowed { luminance_min: 0.02, luminance_edge: 0.12, ..start };
+        let (faint_cost, faint) = self.cost_from_afar(start, task.floor_db)?;
+        let (strong_cost, strong) = self.cost_from_afar(strong, task.floor_db)?;
         // The scale found last is where the next point starts, so that few tries are needed.
-        let mut base = self.near_floor(start, task.floor_db, 8)?.windowed;
+        let mut base = if strong_cost < faint_cost { strong.windowed } else { faint.windowed };
+        let start = base;
         let mut best = f64::INFINITY;
         let cost = |p: &[f64]| {
             let (cost, point) = self.cost(with_values(base, p), task.floor_db)?;
