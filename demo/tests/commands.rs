@@ -430,7 +430,8 @@ fn searches_that_cannot_be() {
         (&["--rounds", "many"], &["'many'", "--rounds"]),
         (&["--scene", "cornell", "--out", &taken], &["taken", "--out"]),
     ] {
-        assert_refused(&tune(&folder, arguments), words);
+        let out = folder.path("out");
+        assert_refused(&demo(&[&["tune", "--out", &out], arguments].concat()).output().unwrap(), words);
     }
     assert_eq!(std::fs::read(&taken).unwrap(), b"mine");
 }

@@ -5,7 +5,7 @@ use super::{CameraArg, CommandError, SceneArgs, TextureArg, ViewArgs, parse_came
 use crate::host::Shot;
 use crate::stats::Spread;
 use crate::tune::subject::{Figures, Subject, SubjectError, full, windowed};
-use crate::tune::{Point, Task, Tuner};
+use crate::tune::{Point, START, Task, Tuner};
 use deferred_aa::Windowed;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
@@ -19,16 +19,16 @@ pub struct Tune {
     #[arg(long = "scene", value_name = "NAME|FILE[@CAMERA]")]
     scenes: Vec<String>,
     /// Pixels, WIDTHxHEIGHT, of every scene.
-    #[arg(long, default_value = "480x270", value_parser = parse_size)]
+    #[arg(long, default_value = "320x180", value_parser = parse_size)]
     size: (u32, u32),
     /// Samples along one side of a pixel's window, 2 to 8.
     #[arg(long, short, default_value_t = 4)]
     m: u32,
     /// The least PSNR against full supersampling, in dB, on any of the scenes: of Fast, Balanced and Quality.
-    #[arg(long, default_value = "41,46,50", value_parser = parse_targets)]
+    #[arg(long, default_value = "41,45.8,50", value_parser = parse_targets)]
     target_db: Targets,
     /// Rounds of each search, at most; one tries every setting up and down.
-    #[arg(long, default_value_t = 6)]
+    #[arg(long, default_value_t = 5)]
     rounds: usize,
     /// Two rounds at most, and no search with a scene left out.
     #[arg(long)]
@@ -97,9 +97,9 @@ struct OnScene {
 }
 
 impl Record {
-    /// Where the next search begins: at the last preset's settings, the first at the default.
+    /// Where the next search begins: at the last preset's settings, the first at [`START`].
     fn start(&self) -> Windowed {
-        self.presets.last().map_or(Windowed::default(), |p| p.windowed)
+        self.presets.last().map_or(START, |p| p.windowed)
     }
 }
 
@@ -170,13 +170,11 @@ impl Tune {
     fn subjects(&self) -> Result<Vec<Subject>, CommandError> {
         let builtin = ["atrium", "fence", "checker", "spheres", "cornell"].map(str::to_owned).to_vec();
         let specs = if self.scenes.is_empty() { builtin } else { self.scenes.clone() };
-        // All names are read before the first scene is opened.
         let views: Vec<_> = specs.iter().map(|s| self.view(s)).collect::<Result<_, _>>()?;
-        let open = |(spec, view): (String, ViewArgs)| {
-            let (host, camera) = view.open()?;
-            Ok(Subject::new(spec, host, camera)?)
-        };
-        specs.into_iter().zip(views).map(open).collect()
+        // All scenes are opened before the first frame is rendered.
+        let opened: Vec<_> = views.iter().map(ViewArgs::open).collect::<Result<_, _>>()?;
+        let subject = |(spec, (host, camera))| Ok(Subject::new(spec, host, camera)?);
+        specs.into_iter().zip(opened).map(subject).collect()
     }
 
     /// NAME, FILE, NAME@CAMERA or FILE@CAMERA.
@@ -226,7 +224,7 @@ fn search(
 
 /// Searches again without each scene in turn, and tries on it what was found without it.
 fn hold_out(subjects: &mut [Subject], presets: &mut [Preset], bar: &ProgressBar) -> Result<(), SubjectError> {
-    let mut start = Windowed::default();
+    let mut start = START;
     for preset in presets {
         for i in 0..subjects.len() {
             let blind = search(subjects, Some(i), start, preset.task, bar, preset.name)?;

@@ -7,7 +7,7 @@
 pub mod search;
 pub mod subject;
 
-use deferred_aa::Windowed;
+use deferred_aa::{DepthMeasure, LuminanceCurve, Windowed};
 use search::{Axis, Found, pattern_search, two_digits};
 use serde::Serialize;
 use subject::{Figures, Subject, SubjectError};
@@ -24,6 +24,29 @@ pub const AXES: [Axis; 5] = [
 
 /// Of `luminance_scale`.
 const SCALES: [f64; 2] = [1.0, 2000.0];
+
+/// `luminance_min` and `luminance_edge` that see faint edges too, and those that see strong ones alone: few samples for many
+/// windows or many for few. Two valleys; no step leads from one into the other, so a search begins in the better one.
+const FAINT: (f32, f32) = (0.01, 0.02);
+const STRONG: (f32, f32) = (0.02, 0.12);
+
+/// Where the first search begins, whatever the presets are by now, so that it finds them again.
+pub const START: Windowed = Windowed {
+    depth: DepthMeasure::Discontinuity,
+    depth_scale: 100.0,
+    normal_scale: 12.0,
+    two_sided: false,
+    luminance_scale: 120.0,
+    luminance_min: STRONG.0,
+    luminance_edge: STRONG.1,
+    luminance: LuminanceCurve::Perceptual,
+    luminance_centre: true,
+    identity_samples: 0.0,
+    footprint: 0.6,
+    centred: true,
+    edge_aware_first: true,
+    tile_limit: Windowed::NO_TILE_LIMIT,
+};
 
 /// Edges, where aliasing is seen, are held this much above the floor of the whole picture, in dB.
 pub const EDGE_MARGIN_DB: f64 = 3.0;
@@ -147,8 +170,15 @@ impl Tuner<'_> {
         task: Task,
         mut after_round: impl FnMut(&Found),
     ) -> Result<Point, SubjectError> {
+        let mut starts = Vec::new();
+        for (luminance_min, luminance_edge) in [(start.luminance_min, start.luminance_edge), FAINT, STRONG] {
+            let far = Windowed { luminance_min, luminance_edge, ..start };
+            let near = self.near_floor(far, task.floor_db, 8)?.windowed;
+            starts.push(self.cost(near, task.floor_db)?);
+        }
+        let start = starts.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map_or(start, |(_, point)| point.windowed);
         // The scale found last is where the next point starts, so that few tries are needed.
-        let mut base = self.near_floor(start, task.floor_db, 8)?.windowed;
+        let mut base = start;
         let mut best = f64::INFINITY;
         let cost = |p: &[f64]| {
             let (cost, point) = self.cost(with_values(base, p), task.floor_db)?;
