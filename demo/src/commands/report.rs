@@ -66,9 +66,6 @@ impl Report {
         }
         let Opened { scene, gpu, camera } = self.view.open(largest)?;
         let folder = Folder::open(&self.view.out, run::bytes(&request, &plan), request.resume)?;
-        for notice in &scene.notices {
-            eprintln!("note: {notice}");
-        }
         stop_on_interrupt();
         let mut session = Session::new(request, gpu, scene, camera, folder, run::parts(&plan));
         let report = run::run(&mut session)?;

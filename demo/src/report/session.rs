@@ -65,6 +65,8 @@ pub struct Session {
     pub seconds: BTreeMap<String, f64>,
     bar: ProgressBar,
     parts: (usize, usize),
+    /// What was changed in the scene was said.
+    noted: AtomicBool,
 }
 
 /// Set by Ctrl-C.
@@ -92,7 +94,18 @@ impl Session {
             bar.set_style(style);
         }
         bar.enable_steady_tick(Duration::from_millis(200));
-        Self { request, gpu, scene, view, folder, fingerprint, seconds: BTreeMap::new(), bar, parts: (0, parts) }
+        Self {
+            request,
+            gpu,
+            scene,
+            view,
+            folder,
+            fingerprint,
+            seconds: BTreeMap::new(),
+            bar,
+            parts: (0, parts),
+            noted: AtomicBool::new(false),
+        }
     }
 
     /// Runs a part of the report, times it and shows its name.
@@ -125,7 +138,11 @@ impl Session {
     /// A host of a variant of the scene, at another size.
     pub fn host_of(&self, scene: Scene, m: u32, (width, height): (u32, u32)) -> Result<Host, ReportError> {
         let Request { textures, stall, anisotropy, .. } = self.request;
-        Ok(Host::new(self.gpu.clone(), scene, Options { width, height, m, textures, stall, anisotropy })?)
+        let host = Host::new(self.gpu.clone(), scene, Options { width, height, m, textures, stall, anisotropy })?;
+        if !self.noted.swap(true, Ordering::Relaxed) {
+            host.scene.notices.iter().chain(&host.uploaded.notices).for_each(|notice| self.note(notice));
+        }
+        Ok(host)
     }
 
     /// A frame, unless the user wants no more.
