@@ -229,6 +229,25 @@ impl Host {
         if let Some(gbuffer) = self.aa.gbuffer() {
             self.raster.record(&self.gpu.queue, &mut encoder, &self.scene, &self.uploaded, &camera, gbuffer);
         }
+        let statistics = self.shade(encoder, camera, settings)?;
+        Ok(Shot { statistics, gbuffer_ms: self.raster.milliseconds(&self.gpu) })
+    }
+
+    /// [`frame`](Self::frame) over the last frame's G-buffer, which must be of the same camera: for many settings on one
+    /// view.
+    pub fn shade_again(&mut self, camera: &Camera, settings: Settings) -> Result<Shot, HostError> {
+        let encoder = self.gpu.device.create_command_encoder(&Default::default());
+        let camera = node_camera(camera, self.options.width, self.options.height);
+        Ok(Shot { statistics: self.shade(encoder, camera, settings)?, gbuffer_ms: None })
+    }
+
+    /// Records the node, submits, waits.
+    fn shade(
+        &mut self,
+        mut encoder: wgpu::CommandEncoder,
+        camera: deferred_aa::Camera,
+        settings: Settings,
+    ) -> Result<Statistics, HostError> {
         let frame = Frame {
             camera,
             settings,
@@ -242,8 +261,7 @@ impl Host {
         self.gpu.queue.submit([encoder.finish()]);
         self.gpu.wait();
         self.complaints()?;
-        let statistics = self.aa.statistics().ok_or(HostError::NoStatistics)?.clone();
-        Ok(Shot { statistics, gbuffer_ms: self.raster.milliseconds(&self.gpu) })
+        Ok(self.aa.statistics().ok_or(HostError::NoStatistics)?.clone())
     }
 
     /// Changes the output size. The picture is lost.

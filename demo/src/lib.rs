@@ -5,6 +5,7 @@
 #![deny(missing_docs)]
 
 pub mod commands;
+pub mod goal;
 pub mod gpu;
 pub mod host;
 #[cfg(test)]
@@ -20,4 +21,5 @@ pub mod report;
 pub mod scene;
 pub mod stats;
 pub mod temporal;
+pub mod tune;
 pub mod upload;

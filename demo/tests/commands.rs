@@ -126,6 +126,7 @@ fn techniques_and_settings() {
         &["--technique", "windwed"],
         &["no technique 'windwed': did you mean windowed? choose full, single or windowed"],
     );
+    refused(&["--preset", "fsat"], &["no preset 'fsat': did you mean fast? choose fast, balanced or quality"]);
     refused(&["--textures", "none"], &["'none'", "arrays"]);
     refused(
         &["--set", "windowed.depht_scale=1"],
@@ -197,7 +198,14 @@ fn unknown_arguments() {
 
 #[test]
 fn help_and_adapters() {
-    for arguments in [&["--help"][..], &["render", "--help"], &["demo", "--help"], &["--version"], &["adapters"]] {
+    for arguments in [
+        &["--help"][..],
+        &["render", "--help"],
+        &["demo", "--help"],
+        &["tune", "--help"],
+        &["--version"],
+        &["adapters"],
+    ] {
         let output = demo(arguments).output().unwrap();
         assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", text(&output.stderr));
         assert!(!output.stdout.is_empty() && output.stderr.is_empty(), "{arguments:?}");
@@ -322,6 +330,12 @@ fn settings_reach_the_frame() {
     let image = picture("image", &[]);
     let counts = picture("counts", &["--set", "view=count"]);
     let loops = picture("loops", &["--set", "execution=loop"]);
+    let fast = picture("fast", &["--preset", "fast"]);
+    assert!(fast != image && picture("balanced", &["--preset", "balanced"]) == image);
+    // What is set counts, whatever the preset.
+    let all = ["windowed.luminance_scale=1e6", "windowed.luminance_min=0", "windowed.luminance_edge=0"];
+    let all: Vec<&str> = all.iter().flat_map(|s| ["--set", s]).collect();
+    assert!(picture("fast but", &[&["--preset", "fast"], &all[..]].concat()) != fast);
     let off = ["windowed.depth_scale=0", "windowed.normal_scale=0", "windowed.luminance_scale=0"];
     let off: Vec<&str> = off.iter().flat_map(|s| ["--set", s]).collect();
     let off = picture("off", &off);
@@ -352,4 +366,71 @@ fn a_glb_given_by_a_path_with_spaces_renders() {
     let output = render(&folder, &["--scene", &scene]);
     assert!(output.status.success(), "{}", text(&output.stderr));
     assert!(Path::new(&folder.path("out/image.png")).exists());
+}
+
+// ---- tune ----
+
+/// A tiny `tune` with these arguments on top.
+fn tune(folder: &Folder, arguments: &[&str]) -> Output {
+    let out = folder.path("out");
+    let all = [&["tune", "--size", "32x18", "--m", "2", "--out", &out], arguments].concat();
+    demo(&all).output().unwrap()
+}
+
+#[test]
+fn a_search_writes_what_it_did_and_what_it_found() {
+    let folder = Folder::new("tune");
+    let scenes = ["--scene", "cornell", "--scene", "fence@0,1.5,4,0,1,-4,50"];
+    let output = tune(&folder, &[&scenes[..], &["--rounds", "1", "--target-db", "20,25,30"]].concat());
+    let stdout = text(&output.stdout);
+    assert!(output.status.success() && output.stderr.is_empty(), "{}", text(&output.stderr));
+    for words in ["fast, at least 20 dB", "quality, at least 30 dB", "// balanced\nWindowed {", "geometric mean"] {
+        assert!(stdout.contains(words), "{words:?} is not in {stdout}");
+    }
+    let record: Value = serde_json::from_slice(&std::fs::read(folder.0.join("out/tune.json")).unwrap()).unwrap();
+    let presets = record["presets"].as_array().unwrap();
+    let names: Vec<_> = presets.iter().map(|p| p["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["fast", "balanced", "quality"]);
+    for preset in presets {
+        let found = preset["scenes"].as_array().unwrap();
+        let product: f64 = found.iter().map(|s| s["figures"]["ratio"].as_f64().unwrap()).product();
+        assert!((product.sqrt() - preset["mean_ratio"].as_f64().unwrap()).abs() < 1e-9, "{preset:#}");
+        for (i, on) in found.iter().enumerate() {
+            assert_eq!(on["scene"], scenes[2 * i + 1]);
+            let floor = preset["task"]["floor_db"].as_f64().unwrap();
+            assert!(on["figures"]["psnr_db"].as_f64().unwrap() >= floor, "{preset:#}");
+            assert!(on["held_out"]["psnr_db"].is_f64(), "{preset:#}");
+            // What was found is among what was tried.
+            let tried = record["evaluated"][i].as_array().unwrap();
+            assert!(tried.iter().any(|t| t["windowed"] == preset["windowed"] && t["figures"] == on["figures"]));
+        }
+    }
+    // The same search again finds the same, here without what it has no need of.
+    let again = tune(&folder, &[&scenes[..], &["--rounds", "1", "--target-db", "20,25,30", "--quick"]].concat());
+    assert!(again.status.success(), "{}", text(&again.stderr));
+    let second: Value = serde_json::from_slice(&std::fs::read(folder.0.join("out/tune.json")).unwrap()).unwrap();
+    for (one, other) in presets.iter().zip(second["presets"].as_array().unwrap()) {
+        assert_eq!(one["windowed"], other["windowed"]);
+        assert!(other["scenes"][0]["held_out"].is_null());
+    }
+}
+
+#[test]
+fn searches_that_cannot_be() {
+    let folder = Folder::new("no tune");
+    let taken = folder.file("taken", b"mine");
+    for (arguments, words) in [
+        (&["--scene", "cornel"][..], &["'cornel'", "did you mean cornell?"][..]),
+        (&["--scene", "cornell@1,2,3"], &["--scene cornell@1,2,3", "x,y,z,tx,ty,tz"]),
+        (&["--scene", "cornell", "--scene", "none.gltf"], &["none.gltf", "check the path"]),
+        (&["--target-db", "50,40,30"], &["--target-db", "three rising dB"]),
+        (&["--m", "1"], &["--m", "1 is not in 2 to 8"]),
+        (&["--m", "9"], &["--m", "9 is not in 2 to 8"]),
+        (&["--size", "5"], &["--size", "WIDTHxHEIGHT"]),
+        (&["--rounds", "many"], &["'many'", "--rounds"]),
+        (&["--scene", "cornell", "--out", &taken], &["taken", "--out"]),
+    ] {
+        assert_refused(&tune(&folder, arguments), words);
+    }
+    assert_eq!(std::fs::read(&taken).unwrap(), b"mine");
 }

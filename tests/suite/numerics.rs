@@ -7,7 +7,7 @@ use deferred_aa::reference::metrics::SKY_DEPTH;
 use deferred_aa::reference::{octahedral, plan, resolve};
 use deferred_aa::wgpu::TextureFormat;
 use deferred_aa::{
-    Camera, DebugView, DepthMeasure, Execution, LuminanceCurve, RecordError, Settings, TableSampler, Technique,
+    Camera, DebugView, DepthMeasure, Execution, LuminanceCurve, Preset, RecordError, Settings, TableSampler, Technique,
     TextureTier, Weight, Windowed,
 };
 use deferred_aa_demo::host::{Host, HostError, Options};
@@ -42,6 +42,12 @@ fn by_normal(normal_scale: f32, two_sided: bool) -> Settings {
 /// Only the luminance metric.
 fn by_luminance(w: Windowed) -> Settings {
     Settings { windowed: Windowed { depth_scale: 0.0, normal_scale: 0.0, ..w }, ..Default::default() }
+}
+
+/// Ours and the paper's.
+fn presets() -> [Windowed; 4] {
+    let [fast, balanced, quality] = Preset::ALL.map(Preset::windowed);
+    [fast, balanced, quality, Windowed::PAPER]
 }
 
 fn counts(output: &Output) -> Vec<u32> {
@@ -540,7 +546,7 @@ fn row_10_noise_in_the_dark_is_no_edge() {
     let mut rig = Rig::new(2, 16, 16, SHOW_FLOAT);
     let dark = |x: u32, y: u32| (noise(x / 2 + y / 2 * 71) * 1e-8).to_bits();
     let curves = [LuminanceCurve::Linear, LuminanceCurve::Perceptual];
-    let presets = [Windowed::default(), Windowed::PAPER];
+    let presets = presets();
 
     // Noise of 1e-8: 0/0 in a ratio, nothing here.
     rig.fill(|x, y| Sample { user: dark(x, y), ..Default::default() });
@@ -929,7 +935,7 @@ fn degenerate(x: u32, y: u32, m: u32) -> Sample {
 /// Every preset with every end of one field, and all ends together.
 fn ends() -> Vec<Windowed> {
     let mut all = Vec::new();
-    for preset in [Windowed::default(), Windowed::PAPER] {
+    for preset in presets() {
         type Change = fn(&mut Windowed, bool);
         let fields: [Change; 14] = [
             |w, most| w.depth_scale = if most { 1e9 } else { 0.0 },
@@ -986,7 +992,7 @@ fn row_22_every_end_of_every_field_on_every_degenerate_window() {
             }
         }
         // The presets themselves agree with the twin here too.
-        for windowed in [Windowed::default(), Windowed::PAPER] {
+        for windowed in presets() {
             let settings = Settings { windowed, ..Default::default() };
             let output = rig.run(settings);
             rig.assert_twin_agrees(&settings, &output);

@@ -4,7 +4,7 @@
 use crate::harness::{device, has_bindings};
 use deferred_aa::glam::{Vec2, Vec3};
 use deferred_aa::reference::metrics::{Input, Worth};
-use deferred_aa::{DeferredAa, Execution, Settings, Technique, TextureTier};
+use deferred_aa::{DeferredAa, Execution, Preset, Settings, Technique, TextureTier};
 use deferred_aa_demo::gpu::Gpu;
 use deferred_aa_demo::host::{Host, Options, descriptor};
 use deferred_aa_demo::picture::Picture;
@@ -123,6 +123,14 @@ fn builtin_scene(name: &str) {
         assert!((1.05..14.0).contains(&statistics.mean_k), "{name}: mean k {}", statistics.mean_k);
         let error = |picture: &Picture| deferred_aa_demo::quality::psnr(picture, &full).unwrap();
         assert!(error(&picture) > error(&single) + 1.0, "{name}: {} dB, Single {}", error(&picture), error(&single));
+        let of_presets = Preset::ALL.map(|preset| {
+            let (picture, counted) = shot(&mut arrays, &camera, preset.settings());
+            assert_twin_agrees(&arrays, &preset.settings());
+            (counted.shaded, error(&picture))
+        });
+        let rising = |a: &(u64, f64), b: &(u64, f64)| a.0 < b.0 && a.1 < b.1;
+        assert!(of_presets.is_sorted_by(rising), "{name}: samples and dB of the presets: {of_presets:?}");
+        assert!(of_presets[2].0 < of_full.shaded, "{name}: {of_presets:?}");
     }
 
     if has_bindings() {

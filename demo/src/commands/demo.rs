@@ -1,19 +1,22 @@
 //! `demo`: Single, Windowed and Full side by side, with what each costs.
 
 use super::render::write_json;
-use super::{CommandError, ViewArgs, say, set};
+use super::{CommandError, ViewArgs, parse_preset, say, set};
 use crate::host::Shot;
 use crate::picture::{self, Panel, Picture};
 use crate::quality::{self, Quality};
 use crate::stats::Stats;
-use deferred_aa::{Execution, Settings, Technique};
+use deferred_aa::{Execution, Preset, Settings, Technique};
 
 /// See `deferred-aa-demo demo --help`.
 #[derive(Debug, clap::Args)]
 pub struct Demo {
     #[command(flatten)]
     view: ViewArgs,
-    /// Any field of the settings by its path; may be repeated.
+    /// The settings of Windowed: fast, balanced or quality.
+    #[arg(long, default_value = "balanced", value_parser = parse_preset)]
+    preset: Preset,
+    /// On top of the preset, any field of the settings by its path; may be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     settings: Vec<String>,
     /// Measured frames of each technique, interleaved, after one that warms up.
@@ -43,7 +46,7 @@ struct Entry {
 
 impl Demo {
     pub fn run(self) -> Result<(), CommandError> {
-        let base = set::apply(Settings::default(), &self.settings)?;
+        let base = set::apply(self.preset.settings(), &self.settings)?;
         let (mut host, camera) = self.view.open()?;
         let out = &self.view.scene.out;
         let mut entries = Vec::new();

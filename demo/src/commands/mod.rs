@@ -5,6 +5,7 @@ mod demo;
 mod render;
 mod report;
 mod set;
+mod tune;
 
 use crate::gpu::{self, Gpu, GpuError};
 use crate::host::{self, Host, HostError, Options};
@@ -15,7 +16,7 @@ use crate::raster::look_at;
 use crate::report::ReportError;
 use crate::scene::load::LoadError;
 use crate::scene::{Camera, Scene, builtin, load};
-use deferred_aa::{Technique, TextureTier};
+use deferred_aa::{Preset, Technique, TextureTier};
 use glam::Vec3;
 use std::path::{Path, PathBuf};
 
@@ -35,6 +36,8 @@ enum Command {
     Demo(demo::Demo),
     /// Measures techniques over their settings against the truth: report.html, report.json, and pictures of every entry.
     Report(report::Report),
+    /// Searches the settings of windowed for presets that reach given errors with the fewest samples on several scenes.
+    Tune(tune::Tune),
     /// Lists the graphics adapters and what each can run.
     Adapters,
 }
@@ -85,6 +88,7 @@ impl Cli {
             Command::Render(render) => render.run(),
             Command::Demo(demo) => demo.run(),
             Command::Report(report) => report.run(),
+            Command::Tune(tune) => tune.run(),
             Command::Adapters => {
                 adapters::run();
                 Ok(())
@@ -267,6 +271,18 @@ impl TextureArg {
         match self {
             Self::Arrays => TextureTier::Arrays,
             Self::Bindings => TextureTier::Bindings,
+        }
+    }
+}
+
+fn parse_preset(text: &str) -> Result<Preset, String> {
+    match text {
+        "fast" => Ok(Preset::Fast),
+        "balanced" => Ok(Preset::Balanced),
+        "quality" => Ok(Preset::Quality),
+        _ => {
+            let meant = did_you_mean(text, &["fast", "balanced", "quality"]);
+            Err(format!("no preset '{text}':{meant} choose fast, balanced or quality"))
         }
     }
 }

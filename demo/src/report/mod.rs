@@ -6,7 +6,7 @@
 //! measure   the entries, interleaved by the window's size
 //! bounds    how few samples could have done
 //! flicker   the same entries while the camera moves
-//! executions, cost   the same image run in other ways, and on other sizes, lights, triangles
+//! executions, goals, cost   the same image run in other ways; to a goal; on other sizes, lights, triangles
 //! page      report.json, report.html
 //! ```
 //!
@@ -20,6 +20,7 @@ pub mod fingerprint;
 pub mod fit;
 pub mod flicker;
 pub mod folder;
+pub mod goals;
 mod images;
 pub mod measure;
 mod page;

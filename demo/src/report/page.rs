@@ -11,7 +11,15 @@ pub const FILE: &str = "report.html";
 
 const PAGE: &str = include_str!("page/page.html");
 const CSS: &str = include_str!("page/page.css");
-const JS: &str = include_str!("page/page.js");
+/// In the order in which they use each other.
+const JS: &str = concat!(
+    include_str!("page/js/data.js"),
+    include_str!("page/js/paper.js"),
+    include_str!("page/js/draw.js"),
+    include_str!("page/js/scatter.js"),
+    include_str!("page/js/charts.js"),
+    include_str!("page/js/sections.js"),
+);
 
 /// Writes the page.
 pub fn write(folder: &Folder, report: &Report, images: &Images) -> Result<(), ReportError> {

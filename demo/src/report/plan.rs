@@ -2,7 +2,7 @@
 
 use super::schema::Role;
 use crate::peers::Peer;
-use deferred_aa::{Settings, Technique, Weight, Windowed};
+use deferred_aa::{Preset, Settings, Technique, Weight, Windowed};
 
 /// One entry to measure.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,7 +30,11 @@ pub const TECHNIQUES: [&str; 3] = ["full", "single", "windowed"];
 pub const PEERS: [(Peer, &str); 2] = [(Peer::Fxaa, "FXAA"), (Peer::Smaa, "SMAA 1x")];
 
 /// Settings of Windowed that have a name, and how people call them.
-pub const PRESETS: [(&str, &str, Windowed); 1] = [("paper", "Windowed, as in the paper", Windowed::PAPER)];
+pub const PRESETS: [(&str, &str, Windowed); 3] = [
+    ("fast", "Windowed, fast", Preset::Fast.windowed()),
+    ("quality", "Windowed, quality", Preset::Quality.windowed()),
+    ("paper", "Windowed, as in the paper", Windowed::PAPER),
+];
 
 /// What all constants of Windowed are scaled by, for the greatest m and for the others. 1 is the settings as given.
 struct Sweep(&'static [Scale], &'static [Scale]);
@@ -71,7 +75,10 @@ pub fn plan(ms: &[u32], techniques: &[&str], base: Settings, quick: bool) -> Vec
                     "" => ("windowed-@".to_owned(), format!("Windowed, m = {m}")),
                     _ => (format!("windowed-@-x{name}"), format!("Windowed × {}, m = {m}", name.replace('-', "/"))),
                 };
-                push(&id, label, Technique::Windowed, None, scaled(base.windowed, factor));
+                // The sweep's middle is the default, unless other settings are asked for.
+                let windowed = scaled(base.windowed, factor);
+                let preset = (windowed == Preset::default().windowed()).then_some("balanced");
+                push(&id, label, Technique::Windowed, preset, windowed);
             }
             for (name, label, windowed) in PRESETS {
                 let (id, label) = (format!("windowed-@-{name}"), format!("{label}, m = {m}"));
@@ -142,7 +149,7 @@ mod tests {
         for planned in plan(&[4], &["windowed"], base, false) {
             planned.settings.validate().unwrap();
             let (w, b) = (planned.settings.windowed, base.windowed);
-            if planned.preset.is_none() {
+            if planned.preset.is_none_or(|name| name == "balanced") {
                 let factor = w.depth_scale / b.depth_scale;
                 assert_eq!(w.normal_scale, b.normal_scale * factor, "{}", planned.id);
                 assert_eq!(w.luminance_scale, b.luminance_scale * factor, "{}", planned.id);

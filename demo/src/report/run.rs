@@ -4,9 +4,9 @@ use super::cost::{self, Cost};
 use super::executions::{ExecutionRow, executions};
 use super::measure::{self, References};
 use super::plan::{self, Planned};
-use super::schema::{Crop, Entry, Frontier, Oracle, Report, ReportAdapter, TemporalBase, TruthInfo, VERSION};
+use super::schema::{Crop, Entry, Frontier, GoalRow, Oracle, Report, ReportAdapter, TemporalBase, TruthInfo, VERSION};
 use super::session::{Request, Session};
-use super::{ReportError, bounds, fit, flicker, images, page, truth, variants};
+use super::{ReportError, bounds, fit, flicker, goals, images, page, truth, variants};
 use crate::picture::Picture;
 use crate::stats::Adapter;
 use std::collections::BTreeSet;
@@ -19,6 +19,7 @@ struct Finished {
     oracles: Vec<Oracle>,
     temporal: Option<TemporalBase>,
     executions: Vec<ExecutionRow>,
+    goals: Vec<GoalRow>,
     cost: Option<Cost>,
 }
 
@@ -29,8 +30,8 @@ pub fn plan_of(request: &Request) -> Vec<Planned> {
 
 /// Parts of work of a plan, for the progress bar.
 pub fn parts(plan: &[Planned]) -> usize {
-    // Truth, bounds, flicker, executions, page.
-    sides(plan).len() + cost::CURVES + 5
+    // Truth, bounds, flicker, executions, goals, page.
+    sides(plan).len() + cost::CURVES + 6
 }
 
 /// Bytes of the files that a plan writes, about.
@@ -96,6 +97,7 @@ fn work(session: &mut Session, plan: &[Planned], finished: &mut Finished) -> Res
     let (all, windowed) = (plan::TECHNIQUES.into_iter().all(wanted), wanted("windowed"));
     if windowed && largest > 1 {
         finished.executions = session.part("executions", |session| executions(session, largest))?;
+        finished.goals = session.part("goals", |session| goals::goals(session, largest))?;
     }
     if all {
         finished.cost = Some(cost::cost(session)?);
@@ -124,7 +126,7 @@ fn write(session: &mut Session, plan: &[Planned], finished: Finished) -> Result<
 }
 
 fn report(session: &Session, plan: &[Planned], finished: Finished, crops: Vec<Crop>) -> Report {
-    let Finished { truth, entries, oracles, temporal, executions, cost } = finished;
+    let Finished { truth, entries, oracles, temporal, executions, goals, cost } = finished;
     let Request { ref command, width, height, stall, quick, .. } = session.request;
     let scene = &session.scene;
     let is_there = |p: &&Planned| entries.iter().any(|e| e.id == p.id);
@@ -145,7 +147,7 @@ fn report(session: &Session, plan: &[Planned], finished: Finished, crops: Vec<Cr
         frontier: frontier(&entries),
         executions,
         cost,
-        goals: Vec::new(),
+        goals,
         crops,
         unfinished: plan.iter().filter(|p| !is_there(p)).map(|p| p.id.clone()).collect(),
         seconds: session.seconds.clone(),

@@ -1,0 +1,347 @@
+//! `tune`: presets that reach given errors with the fewest samples on several scenes.
+
+use super::render::write_json;
+use super::{CameraArg, CommandError, SceneArgs, TextureArg, ViewArgs, parse_camera, parse_size, say};
+use crate::host::Shot;
+use crate::stats::Spread;
+use crate::tune::subject::{Figures, Subject, SubjectError, full, windowed};
+use crate::tune::{Point, Task, Tuner};
+use deferred_aa::Windowed;
+use indicatif::{ProgressBar, ProgressStyle};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// See `deferred-aa-demo tune --help`.
+#[derive(Debug, clap::Args)]
+pub struct Tune {
+    /// A built-in scene or a .gltf or .glb file, with its camera after an @ if not its own: FILE@x,y,z,tx,ty,tz,fov. May be
+    /// repeated; all built-in scenes but flat and empty if not given.
+    #[arg(long = "scene", value_name = "NAME|FILE[@CAMERA]")]
+    scenes: Vec<String>,
+    /// Pixels, WIDTHxHEIGHT, of every scene.
+    #[arg(long, default_value = "480x270", value_parser = parse_size)]
+    size: (u32, u32),
+    /// Samples along one side of a pixel's window, 2 to 8.
+    #[arg(long, short, default_value_t = 4)]
+    m: u32,
+    /// The least PSNR against full supersampling, in dB, on any of the scenes: of Fast, Balanced and Quality.
+    #[arg(long, default_value = "41,46,50", value_parser = parse_targets)]
+    target_db: Targets,
+    /// Rounds of each search, at most; one tries every setting up and down.
+    #[arg(long, default_value_t = 6)]
+    rounds: usize,
+    /// Two rounds at most, and no search with a scene left out.
+    #[arg(long)]
+    quick: bool,
+    /// Part of the adapter's name; `adapters` lists them.
+    #[arg(long)]
+    adapter: Option<String>,
+    /// Where tune.json goes; made if it is not there.
+    #[arg(long, overrides_with = "out")]
+    out: PathBuf,
+}
+
+type Targets = [f64; 3];
+
+const NAMES: [&str; 3] = ["fast", "balanced", "quality"];
+
+/// Timed frames of each preset.
+const TIMED: usize = 3;
+
+fn parse_targets(text: &str) -> Result<Targets, String> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|n| n.trim().parse()).collect();
+    let targets = numbers.ok().and_then(|n| Targets::try_from(n).ok());
+    let rising = |t: &Targets| t[0] < t[1] && t[1] < t[2] && t.iter().all(|v| (10.0..=80.0).contains(v));
+    targets
+        .filter(rising)
+        .ok_or_else(|| format!("'{text}' is no three targets: write three rising dB in 10 to 80, such as 41,46,50"))
+}
+
+/// tune.json.
+#[derive(Debug, Serialize)]
+struct Record {
+    width: u32,
+    height: u32,
+    m: u32,
+    adapter: String,
+    scenes: Vec<String>,
+    /// In the order of [`NAMES`]; those that are finished.
+    presets: Vec<Preset>,
+    /// One list a scene: everything that was rendered on it.
+    evaluated: Vec<Vec<Tried>>,
+}
+
+#[derive(Debug, Serialize)]
+struct Tried {
+    windowed: Windowed,
+    figures: Figures,
+}
+
+#[derive(Debug, Serialize)]
+struct Preset {
+    name: &'static str,
+    task: Task,
+    windowed: Windowed,
+    mean_ratio: f64,
+    scenes: Vec<OnScene>,
+}
+
+#[derive(Debug, Serialize)]
+struct OnScene {
+    scene: String,
+    figures: Figures,
+    /// Found by a search that never saw this scene; null where there was none.
+    held_out: Option<Figures>,
+    /// GPU time of the node over that of Full, interleaved; null without timestamps.
+    time_over_full: Option<Spread>,
+}
+
+impl Record {
+    /// Where the next search begins: at the last preset's settings, the first at the default.
+    fn start(&self) -> Windowed {
+        self.presets.last().map_or(Windowed::default(), |p| p.windowed)
+    }
+}
+
+impl Preset {
+    fn new(name: &'static str, task: Task, found: &Point, subjects: &[Subject]) -> Self {
+        let on = |(subject, figures): (&Subject, &Figures)| OnScene {
+            scene: subject.name.clone(),
+            figures: *figures,
+            held_out: None,
+            time_over_full: None,
+        };
+        let scenes = subjects.iter().zip(&found.figures).map(on).collect();
+        Self { name, task, windowed: found.windowed, mean_ratio: found.mean_ratio(), scenes }
+    }
+}
+
+impl From<SubjectError> for CommandError {
+    fn from(e: SubjectError) -> Self {
+        match e {
+            SubjectError::Host(e) => e.into(),
+            SubjectError::Quality(e) => e.into(),
+        }
+    }
+}
+
+impl Tune {
+    pub fn run(self) -> Result<(), CommandError> {
+        let wrong = |problem: &str| CommandError::Argument { argument: "--m".into(), problem: problem.into() };
+        if !(2..=deferred_aa::window::MAX_M).contains(&self.m) {
+            return Err(wrong(&format!("{} is not in 2 to 8", self.m)));
+        }
+        let rounds = if self.quick { self.rounds.min(2) } else { self.rounds };
+        let mut subjects = self.subjects()?;
+        let holdout = !self.quick && subjects.len() > 1;
+        let (width, height) = self.size;
+        let mut record = Record {
+            width,
+            height,
+            m: self.m,
+            adapter: subjects.first().map_or(String::new(), Subject::adapter),
+            scenes: subjects.iter().map(|s| s.name.clone()).collect(),
+            presets: Vec::new(),
+            evaluated: Vec::new(),
+        };
+        let path = self.out.join("tune.json");
+        // A folder that can't be written to is found now and not after the work.
+        write_json(&path, &record)?;
+        let searches = NAMES.len() * if holdout { 1 + subjects.len() } else { 1 };
+        let bar = progress(searches * rounds);
+        for (name, floor_db) in NAMES.into_iter().zip(self.target_db) {
+            let task = Task { floor_db, rounds };
+            let found = search(&mut subjects, None, record.start(), task, &bar, name)?;
+            record.presets.push(Preset::new(name, task, &found, &subjects));
+            record.evaluated = evaluated(&subjects);
+            write_json(&path, &record)?;
+        }
+        if holdout {
+            hold_out(&mut subjects, &mut record.presets, &bar)?;
+        }
+        bar.finish_and_clear();
+        measure_times(&mut subjects, &mut record.presets)?;
+        record.evaluated = evaluated(&subjects);
+        write_json(&path, &record)?;
+        say(&summary(&record, &path));
+        Ok(())
+    }
+
+    fn subjects(&self) -> Result<Vec<Subject>, CommandError> {
+        let builtin = ["atrium", "fence", "checker", "spheres", "cornell"].map(str::to_owned).to_vec();
+        let specs = if self.scenes.is_empty() { builtin } else { self.scenes.clone() };
+        // All names are read before the first scene is opened.
+        let views: Vec<_> = specs.iter().map(|s| self.view(s)).collect::<Result<_, _>>()?;
+        let open = |(spec, view): (String, ViewArgs)| {
+            let (host, camera) = view.open()?;
+            Ok(Subject::new(spec, host, camera)?)
+        };
+        specs.into_iter().zip(views).map(open).collect()
+    }
+
+    /// NAME, FILE, NAME@CAMERA or FILE@CAMERA.
+    fn view(&self, spec: &str) -> Result<ViewArgs, CommandError> {
+        let wrong = |problem| CommandError::Argument { argument: format!("--scene {spec}"), problem };
+        let (scene, camera) = match spec.rsplit_once('@').filter(|_| !Path::new(spec).exists()) {
+            Some((scene, camera)) => (scene, Some(parse_camera(camera).map_err(wrong)?)),
+            None => (spec, None),
+        };
+        Ok(self.view_of(scene, camera))
+    }
+
+    fn view_of(&self, scene: &str, camera: Option<CameraArg>) -> ViewArgs {
+        let scene = SceneArgs {
+            scene: scene.to_owned(),
+            scene_index: None,
+            size: self.size,
+            camera,
+            stall: 1,
+            textures: TextureArg::Arrays,
+            anisotropy: 16,
+            adapter: self.adapter.clone(),
+            out: self.out.clone(),
+        };
+        ViewArgs { scene, m: self.m }
+    }
+}
+
+/// On stderr where that is a terminal; one step a round.
+fn progress(rounds: usize) -> ProgressBar {
+    let style = ProgressStyle::with_template("{wide_bar} {percent:>3}%  {elapsed}  {msg}");
+    ProgressBar::new(rounds as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}
+
+fn search(
+    subjects: &mut [Subject],
+    held_out: Option<usize>,
+    start: Windowed,
+    task: Task,
+    bar: &ProgressBar,
+    preset: &str,
+) -> Result<Point, SubjectError> {
+    let without = held_out.map_or(String::new(), |i| format!(" without {}", subjects[i].name));
+    bar.set_message(format!("{preset}{without}"));
+    Tuner { subjects, held_out }.search(start, task, |_| bar.inc(1))
+}
+
+/// Searches again without each scene in turn, and tries on it what was found without it.
+fn hold_out(subjects: &mut [Subject], presets: &mut [Preset], bar: &ProgressBar) -> Result<(), SubjectError> {
+    let mut start = Windowed::default();
+    for preset in presets {
+        for i in 0..subjects.len() {
+            let blind = search(subjects, Some(i), start, preset.task, bar, preset.name)?;
+            let figures = subjects[i].figures(blind.windowed)?;
+            if let Some(scene) = preset.scenes.get_mut(i) {
+                scene.held_out = Some(figures);
+            }
+        }
+        start = preset.windowed;
+    }
+    Ok(())
+}
+
+fn evaluated(subjects: &[Subject]) -> Vec<Vec<Tried>> {
+    let tried = |s: &Subject| s.tried.iter().map(|&(windowed, figures)| Tried { windowed, figures }).collect();
+    subjects.iter().map(tried).collect()
+}
+
+/// Of all passes together.
+fn node_ms(shot: &Shot) -> Option<f64> {
+    shot.statistics.passes.iter().map(|p| p.milliseconds).sum()
+}
+
+/// Full and the presets in turn, after one frame that warms up.
+fn measure_times(subjects: &mut [Subject], presets: &mut [Preset]) -> Result<(), SubjectError> {
+    for (i, subject) in subjects.iter_mut().enumerate() {
+        let mut ratios = vec![Vec::new(); presets.len()];
+        for round in 0..=TIMED {
+            let reference = node_ms(&subject.shot(full())?);
+            for (preset, ratios) in presets.iter().zip(&mut ratios) {
+                let own = node_ms(&subject.shot(windowed(preset.windowed))?);
+                if let (Some(own), Some(reference), true) = (own, reference, round > 0) {
+                    ratios.push(own / reference);
+                }
+            }
+        }
+        for (preset, ratios) in presets.iter_mut().zip(ratios) {
+            if let Some(scene) = preset.scenes.get_mut(i) {
+                scene.time_over_full = Spread::of(ratios);
+            }
+        }
+    }
+    Ok(())
+}
+
+fn summary(record: &Record, path: &Path) -> String {
+    let Record { width, height, m, adapter, .. } = record;
+    let count = |s: &Vec<Tried>| s.len();
+    let frames: usize = record.evaluated.iter().map(count).sum();
+    let mut text = format!("{width}×{height}, m = {m}, {adapter}: {frames} frames tried\n");
+    for preset in &record.presets {
+        text += &format!(
+            "\n{}, at least {} dB\n{:<34}{:>8}{:>10}{:>10}{:>8}{:>22}\n",
+            preset.name, preset.task.floor_db, "", "samples", "PSNR", "edges", "time", "without the scene"
+        );
+        for scene in &preset.scenes {
+            let f = &scene.figures;
+            let name: String = scene.scene.chars().rev().take(32).collect::<Vec<_>>().into_iter().rev().collect();
+            let time = scene.time_over_full.map_or("-".to_owned(), |t| format!("{:.1}%", t.median * 100.0));
+            let blind =
+                scene.held_out.map_or("-".to_owned(), |f| format!("{:.1}% {:.1} dB", f.ratio * 100.0, f.psnr_db));
+            text += &format!("{name:<34}{:>7.1}%{:>7.1} dB{:>7.1} dB", f.ratio * 100.0, f.psnr_db, f.edge_psnr_db);
+            text += &format!("{time:>8}{blind:>22}\n");
+        }
+        text += &format!("{:<34}{:>7.1}%\n", "geometric mean", preset.mean_ratio * 100.0);
+    }
+    text += "\nsamples, time: over those of Full. PSNR, edges: against Full\n";
+    for preset in &record.presets {
+        text += &constant(preset);
+    }
+    text + &path.display().to_string()
+}
+
+/// The settings as they stand in source.
+fn constant(preset: &Preset) -> String {
+    let name = preset.name;
+    let fields = format!("{:#?}", preset.windowed);
+    let fields: Vec<_> = fields.lines().filter(|line| !line.contains("tile_limit")).collect();
+    let fields = fields.join("\n").replace(": Perceptual", ": LuminanceCurve::Perceptual");
+    let fields = fields.replace(": Discontinuity", ": DepthMeasure::Discontinuity");
+    let body = fields.trim_end_matches('}');
+    format!("\n// {name}\n{body}    tile_limit: Windowed::NO_TILE_LIMIT,\n}}\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn targets_rise() {
+        assert_eq!(parse_targets("40, 44.5,50"), Ok([40.0, 44.5, 50.0]));
+        for bad in
+            ["", "40", "40,44", "40,44,50,60", "44,40,50", "40,40,50", "a,b,c", "nan,40,50", "5,40,50", "40,50,inf"]
+        {
+            assert!(parse_targets(bad).unwrap_err().contains("three rising dB"), "{bad}");
+        }
+    }
+
+    #[test]
+    fn constants_are_source() {
+        let preset = Preset {
+            name: "fast",
+            task: Task { floor_db: 40.0, rounds: 1 },
+            windowed: Windowed { luminance_scale: 83.0, ..Windowed::default() },
+            mean_ratio: 0.2,
+            scenes: Vec::new(),
+        };
+        let text = constant(&preset);
+        for line in [
+            "\n// fast\nWindowed {\n    depth: DepthMeasure::Discontinuity,\n",
+            "    luminance_scale: 83.0,\n",
+            "    luminance: LuminanceCurve::Perceptual,\n",
+            "    tile_limit: Windowed::NO_TILE_LIMIT,\n}\n",
+        ] {
+            assert!(text.contains(line), "{line} is not in {text}");
+        }
+    }
+}

@@ -1,1 +1,0 @@
-document.getElementById("text").textContent = document.getElementById("report").textContent;
