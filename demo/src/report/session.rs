@@ -10,7 +10,7 @@ use crate::scene::{Camera, Scene};
 use crate::stats::Adapter;
 use deferred_aa::{Settings, TextureTier};
 use indicatif::{ProgressBar, ProgressStyle};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -64,7 +64,8 @@ pub struct Session {
     /// How long parts took.
     pub seconds: BTreeMap<String, f64>,
     bar: ProgressBar,
-    parts: (usize, usize),
+    parts: Vec<String>,
+    done: BTreeSet<String>,
     /// What was changed in the scene was said.
     noted: AtomicBool,
 }
@@ -83,8 +84,8 @@ pub fn stop_on_interrupt() {
 }
 
 impl Session {
-    /// With `parts` of work to come.
-    pub fn new(request: Request, gpu: Gpu, scene: Scene, view: Camera, folder: Folder, parts: usize) -> Self {
+    /// With these parts of work to come, the page last.
+    pub fn new(request: Request, gpu: Gpu, scene: Scene, view: Camera, folder: Folder, parts: Vec<String>) -> Self {
         let mut fingerprint = Fingerprint::of_scene(&scene);
         let adapter = Adapter::of(&gpu);
         fingerprint.text(&(view, request.width, request.height, request.anisotropy, request.textures, adapter));
@@ -103,7 +104,8 @@ impl Session {
             fingerprint,
             seconds: BTreeMap::new(),
             bar,
-            parts: (0, parts),
+            parts,
+            done: BTreeSet::new(),
             noted: AtomicBool::new(false),
         }
     }
@@ -115,13 +117,27 @@ impl Session {
         run: impl FnOnce(&mut Self) -> Result<T, ReportError>,
     ) -> Result<T, ReportError> {
         let start = Instant::now();
-        self.parts.0 += 1;
-        self.bar.set_prefix(format!("{}/{} ", self.parts.0, self.parts.1));
+        let place = self.parts.iter().position(|part| part == name).map_or(0, |i| i + 1);
+        self.bar.set_prefix(format!("{place}/{} ", self.parts.len()));
         self.bar.set_message(name.to_owned());
         self.bar.set_position(0);
         let result = run(self);
         *self.seconds.entry(name.to_owned()).or_default() += start.elapsed().as_secs_f64();
+        if result.is_ok() {
+            self.done.insert(name.to_owned());
+        }
         result
+    }
+
+    /// Whether this part of work is to be done.
+    pub fn wants(&self, part: &str) -> bool {
+        self.parts.iter().any(|p| p == part)
+    }
+
+    /// The parts that were not finished, but for the entries, which have names of their own, and the page.
+    pub fn left(&self) -> impl Iterator<Item = String> {
+        let counts = |part: &&String| !part.starts_with("m = ") && *part != "page" && !self.done.contains(*part);
+        self.parts.iter().filter(counts).cloned()
     }
 
     /// The camera as the node takes it, at the request's size.
