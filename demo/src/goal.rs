@@ -16,7 +16,7 @@ pub fn parse(text: &str) -> Result<Goal, String> {
 }
 
 /// Most frames until a search rests.
-const MOST_FRAMES: u32 = 600;
+const MOST_FRAMES: u32 = 200;
 /// Frames without a change after which it does.
 const REST: u32 = 40;
 
