@@ -66,11 +66,9 @@ impl Report {
         }
         let Opened { scene, gpu, camera } = self.view.open(largest)?;
         let folder = Folder::open(&self.view.out, run::bytes(&request, &plan), request.resume)?;
-        for notice in &scene.notices {
-            eprintln!("note: {notice}");
-        }
         stop_on_interrupt();
-        let mut session = Session::new(request, gpu, scene, camera, folder, run::parts(&plan));
+        let parts = run::parts(&request, &plan);
+        let mut session = Session::new(request, gpu, scene, camera, folder, parts);
         let report = run::run(&mut session)?;
         say(&format!("{}{}", table::table(&report), self.view.out.join("report.html").display()));
         Ok(())

@@ -65,26 +65,45 @@ pub struct Point {
     pub windowed_total_ms: Option<f64>,
 }
 
-/// How many curves there are: parts of work.
-pub const CURVES: usize = 5;
+/// Measures a curve.
+type Run = fn(&Session, Base) -> Result<Vec<Point>, ReportError>;
+
+/// All curves, in the order in which they are measured.
+pub const CURVES: [(&str, Run); 5] =
+    [("stall", stall), ("resolution", resolution), ("m", window), ("lights", lights), ("triangles", triangles)];
+
+/// The name of the part of work that measures a curve.
+pub fn part(curve: &str) -> String {
+    format!("cost: {curve}")
+}
 
 /// Most triangles of the finest meshes.
 const MOST_TRIANGLES: u64 = 4_000_000;
 
-/// All curves, with Windowed as the request has it.
-pub fn cost(session: &mut Session) -> Result<Cost, ReportError> {
+/// All curves that the session wants, with Windowed as the request has it. What is finished is in `so_far`.
+pub fn cost(session: &mut Session, so_far: &mut Option<Cost>) -> Result<(), ReportError> {
     let base = base(session);
-    let stall = session.part("cost: stall", |s| kept(s, "stall", base, stall))?;
-    let resolution = session.part("cost: resolution", |s| kept(s, "resolution", base, resolution))?;
-    let m = session.part("cost: m", |s| kept(s, "m", base, window))?;
-    let lights = session.part("cost: lights", |s| kept(s, "lights", base, lights))?;
-    let triangles = session.part("cost: triangles", |s| kept(s, "triangles", base, triangles))?;
-    let totals: Option<Vec<_>> = stall.iter().map(|p| Some((p.x, p.windowed_total_ms?, p.full_total_ms?))).collect();
-    let curves =
-        [("stall", &stall), ("resolution", &resolution), ("m", &m), ("lights", &lights), ("triangles", &triangles)];
-    let fits = curves.map(|(name, curve)| (name.to_owned(), fits(curve))).into();
-    let crossover_stall = totals.and_then(|t| fit::crossover(&t));
-    Ok(Cost { base, stall, crossover_stall, resolution, m, lights, triangles, fits })
+    let mut curves = [const { Vec::new() }; CURVES.len()];
+    for (i, (name, run)) in CURVES.into_iter().enumerate() {
+        if !session.wants(&part(name)) {
+            continue;
+        }
+        curves[i] = session.part(&part(name), |session| kept(session, name, base, run))?;
+        *so_far = Some(Cost::of(base, &curves));
+    }
+    Ok(())
+}
+
+impl Cost {
+    /// In the order of [`CURVES`].
+    fn of(base: Base, curves: &[Vec<Point>; CURVES.len()]) -> Self {
+        let [stall, resolution, m, lights, triangles] = curves.clone();
+        let totals: Option<Vec<_>> =
+            stall.iter().map(|p| Some((p.x, p.windowed_total_ms?, p.full_total_ms?))).collect();
+        let fits = CURVES.iter().zip(curves).map(|((name, _), curve)| ((*name).to_owned(), fits(curve))).collect();
+        let crossover_stall = totals.and_then(|t| fit::crossover(&t));
+        Self { base, stall, crossover_stall, resolution, m, lights, triangles, fits }
+    }
 }
 
 fn base(session: &Session) -> Base {
@@ -111,12 +130,7 @@ fn scaled((width, height): (u32, u32), scale: f64) -> (u32, u32) {
 }
 
 /// The curve of an earlier run, or a new one.
-fn kept(
-    session: &Session,
-    name: &str,
-    base: Base,
-    run: fn(&Session, Base) -> Result<Vec<Point>, ReportError>,
-) -> Result<Vec<Point>, ReportError> {
+fn kept(session: &Session, name: &str, base: Base, run: Run) -> Result<Vec<Point>, ReportError> {
     let name = format!("cost-{name}");
     let fingerprint = session.fingerprint.with(&(&name, base, session.request.base, session.request.quick)).hex();
     if let Some(points) = session.folder.finished(Kind::Part, &name, &fingerprint) {

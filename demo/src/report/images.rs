@@ -23,6 +23,9 @@ const SHOWN: usize = 8;
 /// Most pixels of a picture on the page; larger ones are made smaller, and crops stay as they are.
 const MOST_PIXELS: f64 = 1.2e6;
 
+/// Of JPEG: of pictures, and of maps, where nobody counts pixels.
+const QUALITY: (u8, u8) = (90, 80);
+
 /// Worst places, and the pixels of a side.
 const CROPS: (usize, u32) = (6, 64);
 
@@ -87,15 +90,20 @@ pub fn images(session: &Session, entries: &[Entry], crops: &[Crop]) -> Result<Im
         let truth = png(&part(&truth, crop))?;
         images.crops.push(CropImages { place: crop, truth, entries: BTreeMap::new() });
     }
-    images.truth = Some(jpeg(&truth)?);
+    images.truth = Some(jpeg(&truth, QUALITY.0)?);
     for entry in shown(entries) {
         let image = rgb(&session.folder.file(&entry.files.png))?;
         for (crop, at) in images.crops.iter_mut().zip(crops) {
             crop.entries.insert(entry.id.clone(), png(&part(&image, *at))?);
         }
-        let map = |name: &Option<String>| name.as_ref().map(|name| jpeg(&rgb(&session.folder.file(name))?)).transpose();
-        let shown =
-            Shown { image: jpeg(&image)?, samples: map(&entry.files.samples)?, error: map(&entry.files.error)? };
+        let map = |name: &Option<String>| {
+            name.as_ref().map(|name| jpeg(&rgb(&session.folder.file(name))?, QUALITY.1)).transpose()
+        };
+        let shown = Shown {
+            image: jpeg(&image, QUALITY.0)?,
+            samples: map(&entry.files.samples)?,
+            error: map(&entry.files.error)?,
+        };
         images.entries.insert(entry.id.clone(), shown);
     }
     Ok(images)
@@ -149,14 +157,16 @@ fn png(image: &RgbImage) -> Result<String, ReportError> {
     Ok(data("png", &bytes))
 }
 
-fn jpeg(image: &RgbImage) -> Result<String, ReportError> {
+fn jpeg(image: &RgbImage, quality: u8) -> Result<String, ReportError> {
     let scale = (MOST_PIXELS / (f64::from(image.width()) * f64::from(image.height()))).sqrt();
     let small = (scale < 1.0).then(|| {
         let side = |s: u32| ((f64::from(s) * scale) as u32).max(1);
         image::imageops::resize(image, side(image.width()), side(image.height()), FilterType::Triangle)
     });
     let mut bytes = Vec::new();
-    JpegEncoder::new_with_quality(&mut bytes, 90).encode_image(small.as_ref().unwrap_or(image)).map_err(encoding)?;
+    JpegEncoder::new_with_quality(&mut bytes, quality)
+        .encode_image(small.as_ref().unwrap_or(image))
+        .map_err(encoding)?;
     Ok(data("jpeg", &bytes))
 }
 

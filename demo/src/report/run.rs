@@ -28,10 +28,25 @@ pub fn plan_of(request: &Request) -> Vec<Planned> {
     plan::plan(&request.ms, &request.techniques, request.base, request.quick)
 }
 
-/// Parts of work of a plan, for the progress bar.
-pub fn parts(plan: &[Planned]) -> usize {
-    // Truth, bounds, flicker, executions, goals, page.
-    sides(plan).len() + cost::CURVES + 6
+/// The parts of work of a plan, in order.
+pub fn parts(request: &Request, plan: &[Planned]) -> Vec<String> {
+    let mut names = vec!["truth".to_owned()];
+    names.extend(sides(plan).into_iter().rev().map(window));
+    names.extend(["bounds", "flicker"].map(str::to_owned));
+    let wanted = |name: &str| request.techniques.contains(&name);
+    if wanted("windowed") && request.ms.iter().any(|&m| m > 1) {
+        names.extend(["executions", "goals"].map(str::to_owned));
+    }
+    if plan::TECHNIQUES.into_iter().all(wanted) {
+        names.extend(cost::CURVES.map(|(name, _)| cost::part(name)));
+    }
+    names.push("page".to_owned());
+    names
+}
+
+/// The part that measures the entries of one m.
+fn window(m: u32) -> String {
+    format!("m = {m}")
 }
 
 /// Bytes of the files that a plan writes, about.
@@ -76,7 +91,7 @@ fn work(session: &mut Session, plan: &[Planned], finished: &mut Finished) -> Res
     // The largest m first: its edges are everyone's.
     for m in sides(plan).into_iter().rev() {
         let left: Vec<_> = left.iter().filter(|p| p.m == m).cloned().collect();
-        session.part(&format!("m = {m}"), |session| {
+        session.part(&window(m), |session| {
             if m < largest && !left.is_empty() && references.edges.is_none() {
                 references.edges = Some(measure::edges(session, largest)?);
             }
@@ -93,16 +108,11 @@ fn work(session: &mut Session, plan: &[Planned], finished: &mut Finished) -> Res
     let shown: Vec<_> = plan.iter().filter(|p| shown.contains(&p.id)).cloned().collect();
     let temporal = session.part("flicker", |session| flicker::flicker(session, &shown, &mut finished.entries))?;
     finished.temporal = Some(temporal);
-    let wanted = |name| session.request.techniques.contains(&name);
-    let (all, windowed) = (plan::TECHNIQUES.into_iter().all(wanted), wanted("windowed"));
-    if windowed && largest > 1 {
+    if session.wants("executions") {
         finished.executions = session.part("executions", |session| executions(session, largest))?;
         finished.goals = session.part("goals", |session| goals::goals(session, largest))?;
     }
-    if all {
-        finished.cost = Some(cost::cost(session)?);
-    }
-    Ok(())
+    cost::cost(session, &mut finished.cost)
 }
 
 /// Of the windows' sides, the rising ones that the plan has.
@@ -149,7 +159,7 @@ fn report(session: &Session, plan: &[Planned], finished: Finished, crops: Vec<Cr
         cost,
         goals,
         crops,
-        unfinished: plan.iter().filter(|p| !is_there(p)).map(|p| p.id.clone()).collect(),
+        unfinished: plan.iter().filter(|p| !is_there(p)).map(|p| p.id.clone()).chain(session.left()).collect(),
         seconds: session.seconds.clone(),
         entries,
     }
@@ -194,7 +204,8 @@ mod tests {
         let folder = Folder::open(&path.join("out"), 0, true).unwrap();
         let scene = builtin("cornell").unwrap();
         let view = scene.default_camera();
-        Session::new(request, gpu, scene, view, folder, 1)
+        let parts = parts(&request, &plan_of(&request));
+        Session::new(request, gpu, scene, view, folder, parts)
     }
 
     #[test]
@@ -215,7 +226,10 @@ mod tests {
         assert!(message.contains("--resume") && message.lines().count() == 1, "{message}");
         let read =
             || -> Report { serde_json::from_slice(&std::fs::read(path.join("out/report.json")).unwrap()).unwrap() };
-        assert_eq!((read().entries.len(), read().unfinished), (1, vec!["single-m1".to_owned()]));
+        assert_eq!(
+            (read().entries.len(), read().unfinished),
+            (1, ["single-m1", "bounds", "flicker"].map(str::to_owned).to_vec())
+        );
         assert!(path.join("out/report.html").is_file());
 
         let resumed = run(&mut session(&path)).unwrap();

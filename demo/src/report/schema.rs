@@ -53,7 +53,7 @@ pub struct Report {
     pub goals: Vec<GoalRow>,
     /// Where the image is worst, worst first.
     pub crops: Vec<Crop>,
-    /// Planned, not measured.
+    /// Planned, not finished: ids of entries, and names of other parts.
     pub unfinished: Vec<String>,
     /// How long each part took, in seconds, this time.
     pub seconds: BTreeMap<String, f64>,

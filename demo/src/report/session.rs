@@ -10,7 +10,7 @@ use crate::scene::{Camera, Scene};
 use crate::stats::Adapter;
 use deferred_aa::{Settings, TextureTier};
 use indicatif::{ProgressBar, ProgressStyle};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -64,7 +64,10 @@ pub struct Session {
     /// How long parts took.
     pub seconds: BTreeMap<String, f64>,
     bar: ProgressBar,
-    parts: (usize, usize),
+    parts: Vec<String>,
+    done: BTreeSet<String>,
+    /// What was changed in the scene was said.
+    noted: AtomicBool,
 }
 
 /// Set by Ctrl-C.
@@ -81,8 +84,8 @@ pub fn stop_on_interrupt() {
 }
 
 impl Session {
-    /// With `parts` of work to come.
-    pub fn new(request: Request, gpu: Gpu, scene: Scene, view: Camera, folder: Folder, parts: usize) -> Self {
+    /// With these parts of work to come, the page last.
+    pub fn new(request: Request, gpu: Gpu, scene: Scene, view: Camera, folder: Folder, parts: Vec<String>) -> Self {
         let mut fingerprint = Fingerprint::of_scene(&scene);
         let adapter = Adapter::of(&gpu);
         fingerprint.text(&(view, request.width, request.height, request.anisotropy, request.textures, adapter));
@@ -92,7 +95,19 @@ impl Session {
             bar.set_style(style);
         }
         bar.enable_steady_tick(Duration::from_millis(200));
-        Self { request, gpu, scene, view, folder, fingerprint, seconds: BTreeMap::new(), bar, parts: (0, parts) }
+        Self {
+            request,
+            gpu,
+            scene,
+            view,
+            folder,
+            fingerprint,
+            seconds: BTreeMap::new(),
+            bar,
+            parts,
+            done: BTreeSet::new(),
+            noted: AtomicBool::new(false),
+        }
     }
 
     /// Runs a part of the report, times it and shows its name.
@@ -102,13 +117,27 @@ impl Session {
         run: impl FnOnce(&mut Self) -> Result<T, ReportError>,
     ) -> Result<T, ReportError> {
         let start = Instant::now();
-        self.parts.0 += 1;
-        self.bar.set_prefix(format!("{}/{} ", self.parts.0, self.parts.1));
+        let place = self.parts.iter().position(|part| part == name).map_or(0, |i| i + 1);
+        self.bar.set_prefix(format!("{place}/{} ", self.parts.len()));
         self.bar.set_message(name.to_owned());
         self.bar.set_position(0);
         let result = run(self);
         *self.seconds.entry(name.to_owned()).or_default() += start.elapsed().as_secs_f64();
+        if result.is_ok() {
+            self.done.insert(name.to_owned());
+        }
         result
+    }
+
+    /// Whether this part of work is to be done.
+    pub fn wants(&self, part: &str) -> bool {
+        self.parts.iter().any(|p| p == part)
+    }
+
+    /// The parts that were not finished, but for the entries, which have names of their own, and the page.
+    pub fn left(&self) -> impl Iterator<Item = String> {
+        let counts = |part: &&String| !part.starts_with("m = ") && *part != "page" && !self.done.contains(*part);
+        self.parts.iter().filter(counts).cloned()
     }
 
     /// The camera as the node takes it, at the request's size.
@@ -125,7 +154,11 @@ impl Session {
     /// A host of a variant of the scene, at another size.
     pub fn host_of(&self, scene: Scene, m: u32, (width, height): (u32, u32)) -> Result<Host, ReportError> {
         let Request { textures, stall, anisotropy, .. } = self.request;
-        Ok(Host::new(self.gpu.clone(), scene, Options { width, height, m, textures, stall, anisotropy })?)
+        let host = Host::new(self.gpu.clone(), scene, Options { width, height, m, textures, stall, anisotropy })?;
+        if !self.noted.swap(true, Ordering::Relaxed) {
+            host.scene.notices.iter().chain(&host.uploaded.notices).for_each(|notice| self.note(notice));
+        }
+        Ok(host)
     }
 
     /// A frame, unless the user wants no more.
