@@ -39,6 +39,8 @@ fn made_report() -> String {
     let output = Command::new(env!("CARGO_BIN_EXE_deferred-aa-demo"))
         .args(["report", "--scene", "checker", "--size", "48x27", "--m", "2", "--quick", "--out"])
         .arg(&out)
+        .arg("--cache")
+        .arg(out.join("cache"))
         .output()
         .unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));

@@ -80,6 +80,9 @@ pub fn part(curve: &str) -> String {
 /// Most triangles of the finest meshes.
 const MOST_TRIANGLES: u64 = 4_000_000;
 
+/// Most triangles that a software driver draws in a frame, where it is not the scene's own number.
+const MOST_DRAWN: u64 = 1_000_000;
+
 /// All curves that the session wants, with Windowed as the request has it. What is finished is in `so_far`.
 pub fn cost(session: &mut Session, so_far: &mut Option<Cost>) -> Result<(), ReportError> {
     let base = base(session);
@@ -188,10 +191,12 @@ fn lights(session: &Session, base: Base) -> Result<Vec<Point>, ReportError> {
         .collect()
 }
 
-/// Points that would not fit in memory are left out.
+/// Points that would not fit in memory, or take minutes, are left out.
 fn triangles(session: &Session, base: Base) -> Result<Vec<Point>, ReportError> {
-    let scenes = (0..3).filter_map(|times| variants::subdivided(&session.scene, times, MOST_TRIANGLES));
-    scenes
+    let drawn = |times: u32| variants::triangles(&session.scene) * 4u64.pow(times);
+    let slow = |times: u32| times > 0 && session.software() && drawn(times) > MOST_DRAWN;
+    let all = (0..3).filter(|&times| !slow(times));
+    all.filter_map(|times| variants::subdivided(&session.scene, times, MOST_TRIANGLES))
         .filter(|scene| variants::triangles(scene) > 0)
         .map(|scene| {
             let count = variants::triangles(&scene) as f64;
