@@ -112,6 +112,8 @@ mod tests {
         assert_eq!(triangles(&fine), 16 * triangles(&scene));
         assert!((area(&fine) / area(&scene) - 1.0).abs() < 1e-4);
         assert_eq!(fine.bounds(), scene.bounds());
+        let [a, b] = [0, 1].map(|i| scene.meshes[0].positions[scene.meshes[0].indices[i] as usize]);
+        assert!(fine.meshes[0].positions.contains(&a.midpoint(b)), "the middle of the first edge");
         // Neighbours share the vertices on their common edges.
         assert!(fine.meshes[0].positions.len() < 3 * fine.meshes[0].indices.len() / 4);
     }
