@@ -8,9 +8,10 @@ use sha2::{Digest as _, Sha256};
 pub struct Fingerprint(Sha256);
 
 /// All shader code that has a part in an image. The library's own too: a result of other code is another result.
-const CODE: [&str; 19] = [
+const CODE: [&str; 20] = [
     crate::host::SHADING_WGSL,
     include_str!("../raster.wgsl"),
+    include_str!("../../../shaders/audit.wgsl"),
     include_str!("../../../shaders/contract.wgsl"),
     include_str!("../../../shaders/evaluate.wgsl"),
     include_str!("../../../shaders/first.wgsl"),

@@ -112,7 +112,7 @@ fn scaled(w: Windowed, factor: f32) -> Windowed {
 
 /// The reference of one grid: all samples, exact mean.
 pub fn grid(base: Settings) -> Settings {
-    Settings { technique: Technique::Full, weight: Weight::Linear, ..base }
+    Settings { technique: Technique::Full, weight: Weight::Linear, goal: None, ..base }
 }
 
 #[cfg(test)]
