@@ -40,6 +40,16 @@ struct DaaFrame {
     footprint: f32,
     /// What the debug view shows (`DebugView as u32`).
     view: u32,
+    /// The least k of a window that is not all sky.
+    least_samples: f32,
+    /// One tile in so many is audited.
+    audit_period: u32,
+    /// Which.
+    audit_phase: u32,
+    /// How far below the present effort the audit looks ahead, log2.
+    audit_step: f32,
+    /// What least_samples would be there.
+    audit_least: f32,
     /// Rank → place in the window, x | y << 4, four to a vector.
     order: array<vec4u, 16>,
     /// k − 1 → from the mean place of the first k samples to the window's centre, in samples; two to a vector.

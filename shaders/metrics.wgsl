@@ -9,6 +9,7 @@ const DAA_BY_DEPTH: u32 = 1u;
 const DAA_BY_NORMAL: u32 = 2u;
 const DAA_BY_LUMINANCE: u32 = 3u;
 const DAA_BY_IDENTITY: u32 = 4u;
+const DAA_BY_LEAST: u32 = 5u;
 
 /// The window's depths with one more around it, (m + 2)² in reading order; 0 for the sky. Read once: three metrics ask.
 var<private> daa_depths: array<f32, 100>;
@@ -196,7 +197,8 @@ fn daa_metrics_main(
         k = max(k, wanted);
     }
     // A window of sky has nothing to resolve, however steep its gradient.
-    if daa_frame.luminance_scale > 0.0 && !daa_all_sky() {
+    let all_sky = daa_all_sky();
+    if daa_frame.luminance_scale > 0.0 && !all_sky {
         let wanted = daa_frame.luminance_scale * daa_luminance_range(vec2i(id.xy));
         by = select(by, DAA_BY_LUMINANCE, wanted > k);
         k = max(k, wanted);
@@ -206,6 +208,12 @@ fn daa_metrics_main(
         by = select(by, DAA_BY_IDENTITY, wanted > k);
         k = max(k, wanted);
     }
+    if !all_sky {
+        by = select(by, DAA_BY_LEAST, daa_frame.least_samples > k);
+        k = max(k, daa_frame.least_samples);
+    }
     let count = u32(round(min(k, n)));
-    daa_counts[slot] = count | (select(by, DAA_BY_NOTHING, count == 1u) << 8u);
+    // What was wanted before n cut it, on a log scale: the audit looks at what less effort would make of it.
+    let wanted = u32(clamp(log2(k), 0.0, 31.0) * 2048.0);
+    daa_counts[slot] = count | (select(by, DAA_BY_NOTHING, count == 1u) << 8u) | (wanted << 16u);
 }

@@ -1,13 +1,14 @@
 // plan: where each window's samples beyond the first lie in its tile's list, and what the frame will shade.
 // A tile is 8 × 8 pixels. CPU twin: src/reference/plan.rs.
 
+/// k (8 bits) | deciding metric (8 bits) | log2 of what it wanted · 2048 (16 bits).
 @group(3) @binding(0) var<storage, read> daa_counts: array<u32>;
 /// k (8 bits) | deciding metric (8 bits) | samples of the tile before this window's (16 bits).
 @group(3) @binding(1) var<storage, read_write> daa_plan: array<u32>;
 @group(3) @binding(2) var<storage, read_write> daa_statistics: DaaStatistics;
 
 var<workgroup> daa_group_histogram: array<atomic<u32>, 64>;
-var<workgroup> daa_group_decided: array<atomic<u32>, 5>;
+var<workgroup> daa_group_decided: array<atomic<u32>, 6>;
 
 /// A lane plans a tile: most tiles have little to add, and a tile's list needs no barrier this way.
 @compute @workgroup_size(64)
@@ -30,8 +31,8 @@ fn daa_plan_main(@builtin(global_invocation_id) id: vec3u, @builtin(local_invoca
         for (var i = 0u; i < 64u; i++) {
             let count = daa_counts[first_slot + i];
             // 0: the tile reaches over the image's edge here.
-            let k = select(count & 0xffu, min(count, 1u), overflows);
-            let by = select(count >> 8u, 0u, overflows);
+            let k = select(count & 0xffu, min(count & 0xffu, 1u), overflows);
+            let by = select((count >> 8u) & 0xffu, 0u, overflows);
             daa_plan[first_slot + i] = k | (by << 8u) | (before << 16u);
             if k == 1u {
                 ones += 1u;
@@ -49,7 +50,7 @@ fn daa_plan_main(@builtin(global_invocation_id) id: vec3u, @builtin(local_invoca
     if windows > 0u {
         atomicAdd(&daa_statistics.histogram[lane], windows);
     }
-    if lane < 5u {
+    if lane < 6u {
         let decided = atomicLoad(&daa_group_decided[lane]);
         if decided > 0u {
             atomicAdd(&daa_statistics.decided[lane], decided);

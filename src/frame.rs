@@ -1,5 +1,6 @@
 //! What one frame needs from the host, and how it reaches the shaders.
 
+use crate::audit::Audited;
 use crate::error::RecordError;
 use crate::settings::{DepthMeasure, LuminanceCurve, Settings, Technique, Weight};
 use crate::window;
@@ -59,7 +60,12 @@ pub(crate) struct FrameUniform {
     pub tile_limit: u32,
     pub footprint: f32,
     pub view: u32,
-    pub padding: [u32; 3],
+    pub least_samples: f32,
+    pub audit_period: u32,
+    pub audit_phase: u32,
+    pub audit_step: f32,
+    pub audit_least: f32,
+    pub padding: [u32; 2],
     pub order: [[u32; 4]; 16],
     pub centres: [[f32; 4]; 32],
 }
@@ -77,7 +83,7 @@ pub(crate) mod flag {
 }
 
 impl FrameUniform {
-    pub fn new(frame: &Frame<'_>, size: [u32; 2], m: u32) -> Result<Self, RecordError> {
+    pub fn new(frame: &Frame<'_>, size: [u32; 2], m: u32, audited: Audited) -> Result<Self, RecordError> {
         let (relative_from_clip, position, forward) = frame.camera.relative()?;
         if !(frame.exposure.is_finite() && frame.exposure > 0.0) {
             return Err(RecordError::Exposure(frame.exposure));
@@ -124,8 +130,13 @@ impl FrameUniform {
             identity_samples: w.identity_samples,
             tile_limit: w.tile_limit,
             footprint: if windowed { w.footprint } else { 1.0 },
-            padding: [0; 3],
             view: frame.settings.view as u32,
+            least_samples: w.least_samples,
+            audit_period: audited.period,
+            audit_phase: audited.phase,
+            audit_step: audited.step,
+            audit_least: audited.least_below,
+            padding: [0; 2],
             order,
             centres,
         })

@@ -20,9 +20,10 @@ const PLAIN: [(&str, &str); 6] = [
     ("resolve", include_str!("../shaders/resolve.wgsl")),
     ("view", include_str!("../shaders/view.wgsl")),
 ];
-const SHADING: [(&str, &str); 3] = [
+const SHADING: [(&str, &str); 4] = [
     ("first", include_str!("../shaders/first.wgsl")),
     ("shade", include_str!("../shaders/shade.wgsl")),
+    ("audit", include_str!("../shaders/audit.wgsl")),
     ("listed", concat!(include_str!("../shaders/shade.wgsl"), "\n", include_str!("../shaders/listed.wgsl"))),
 ];
 const TIERS: [TextureTier; 3] = [TextureTier::None, TextureTier::Arrays, TextureTier::Bindings];
@@ -69,8 +70,13 @@ fn every_joined_module_is_sound_and_has_the_frame() {
         identity_samples,
         tile_limit,
         view,
-        footprint,
+        least_samples,
+        audit_period,
+        audit_phase,
+        audit_step,
+        audit_least,
         padding,
+        footprint,
         order,
         centres,
     });
@@ -124,13 +130,14 @@ fn deciding_metrics_are_the_shaders() {
         ("NORMAL", By::Normal),
         ("LUMINANCE", By::Luminance),
         ("IDENTITY", By::Identity),
+        ("LEAST", By::Least),
     ];
     for (name, by) in all {
         assert_eq!(constant(&module, &format!("DAA_BY_{name}")), by as u32, "{name}");
     }
     let named = module.constants.iter().filter(|(_, c)| c.name.as_deref().is_some_and(|n| n.starts_with("DAA_BY_")));
     assert_eq!(named.count(), all.len());
-    assert_eq!(size_of_val(&Counters { decided: [0; 5], ..bytemuck::Zeroable::zeroed() }.decided) / 4, all.len());
+    assert_eq!(size_of_val(&Counters { decided: [0; 6], ..bytemuck::Zeroable::zeroed() }.decided) / 4, all.len());
 }
 
 /// `case 5u: { … } // Normal`: the comment is the variant, so that a case moved alone shows.
@@ -156,6 +163,7 @@ fn tiles_are_the_shaders() {
     let tile = [TILE, TILE, 1];
     let flat = [TILE * TILE, 1, 1];
     let expected = [
+        ("daa_audit_main", flat),
         ("daa_first_main", tile),
         ("daa_list_count_pixels", flat),
         ("daa_list_count_samples", flat),

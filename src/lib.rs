@@ -33,10 +33,12 @@
 
 #![deny(missing_docs)]
 
+mod audit;
 mod error;
 mod first;
 mod frame;
 pub mod gbuffer;
+mod goal;
 #[cfg(test)]
 mod layouts;
 mod list;
@@ -64,10 +66,13 @@ pub use error::{
 };
 pub use frame::{Camera, Frame};
 pub use gbuffer::GBuffer;
+pub use goal::{GoalProgress, GoalState};
 pub use node::{DeferredAa, Descriptor, Intermediates, Pass, Recording, Shading};
 pub use pipeline::{PassInfo, Resource};
 pub use requirements::{Memory, Requirements};
-pub use settings::{DebugView, DepthMeasure, Execution, LuminanceCurve, Preset, Settings, Technique, Weight, Windowed};
+pub use settings::{
+    DebugView, DepthMeasure, Execution, Goal, LuminanceCurve, Preset, Settings, Technique, Weight, Windowed,
+};
 pub use statistics::{PassTime, Statistics};
 pub use table::{
     BINDING_FEATURES, MAX_CLASSES, MAX_SAMPLERS, TableSampler, TableTexture, TextureTable, TextureTier, classes,

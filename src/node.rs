@@ -1,9 +1,11 @@
 //! The node: knows the order of the frame's passes, and nobody else does.
 
+use crate::audit::{self, Audit, Audited};
 use crate::error::{BuildError, RecordError, ShadingError, SizeError, TableError};
 use crate::first::{self, First};
 use crate::frame::{Frame, FrameUniform};
 use crate::gbuffer::GBuffer;
+use crate::goal::Controller;
 use crate::list::{self, Lists};
 use crate::listed::{self, Listed, Listing};
 use crate::max_filter::{self, MaxFilter};
@@ -13,7 +15,7 @@ use crate::plan::{self, Plan};
 use crate::requirements::{self, Memory, Requirements};
 use crate::resolve::{Resolve, Source};
 use crate::scratch::{self, List, ListKind, Scratch};
-use crate::settings::{DebugView, Execution, Settings, Technique};
+use crate::settings::{DebugView, Execution, Goal, Settings, Technique};
 use crate::shade::{self, Shade, Variant};
 use crate::statistics::{Collector, MAX_PASSES, Recorded, Statistics};
 use crate::table::{TableTexture, Tables, TextureTable, TextureTier};
@@ -73,9 +75,11 @@ pub struct DeferredAa {
     listed: Listed,
     resolve: Resolve,
     view: View,
+    audit: Audit,
     uniforms: wgpu::Buffer,
     sized: Option<Sized>,
     collector: Collector,
+    controller: Controller,
     frame: u64,
 }
 
@@ -91,6 +95,7 @@ struct Sized {
     shade: wgpu::BindGroup,
     resolve: wgpu::BindGroup,
     view: wgpu::BindGroup,
+    audit: wgpu::BindGroup,
     /// By [`ListKind`], each from the first frame that needs it.
     lists: [Option<SizedList>; 2],
 }
@@ -150,6 +155,7 @@ enum Step {
     Listed(Listing),
     Resolve(Source),
     View { first: bool, planned: bool },
+    Audit,
 }
 
 /// Uniform slots: as many frames may be recorded between two submits.
@@ -181,6 +187,8 @@ fn order(settings: &Settings) -> [Option<Step>; MAX_PASSES] {
             DebugView::Image => Step::Resolve(source),
             _ => Step::View { first, planned },
         }),
+        // Behind the image, which does not wait for it.
+        (planned && matches!(settings.goal, Some(Goal::Error(_)))).then_some(Step::Audit),
     ]
 }
 
@@ -197,7 +205,7 @@ fn execute(execution: Execution) -> Step {
 impl Step {
     /// Whether the host's code runs in it.
     fn shades(self) -> bool {
-        matches!(self, Self::First | Self::Shade(_) | Self::Listed(_))
+        matches!(self, Self::First | Self::Shade(_) | Self::Listed(_) | Self::Audit)
     }
 
     fn info(self) -> PassInfo {
@@ -212,6 +220,7 @@ impl Step {
             Self::Shade(_) => shade::INFO,
             Self::Resolve(source) => source.info(),
             Self::View { first, planned } => view::info(first, planned),
+            Self::Audit => audit::INFO,
         }
     }
 }
@@ -267,6 +276,7 @@ impl DeferredAa {
             listed: Listed::new(device),
             resolve: Resolve::new(device),
             view: View::new(device),
+            audit: Audit::new(device),
             uniforms: device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("daa frame"),
                 size: UNIFORM_STRIDE * UNIFORM_SLOTS,
@@ -275,6 +285,7 @@ impl DeferredAa {
             }),
             sized: None,
             collector: Collector::new(device),
+            controller: Controller::default(),
             frame: 0,
             build,
         };
@@ -321,6 +332,7 @@ impl DeferredAa {
             shade: self.shade.bind(device, &scratch),
             resolve: self.resolve.bind(device, &scratch),
             view: self.view.bind(device, &scratch),
+            audit: self.audit.bind(device, &scratch),
             lists: [None, None],
             scratch,
         });
@@ -395,6 +407,7 @@ impl DeferredAa {
                 Step::Shade(variant) => drop(self.shade.pipeline(&self.build, variant)?),
                 Step::Resolve(source) => drop(self.resolve.pipeline(&self.build, source)?),
                 Step::View { .. } => drop(self.view.pipeline(&self.build)?),
+                Step::Audit => drop(self.audit.pipeline(&self.build)?),
             }
         }
         Ok(())
@@ -452,7 +465,18 @@ impl DeferredAa {
         if self.tables.is_some() && frame.textures.is_none() {
             return Err(RecordError::Textures);
         }
-        let uniform = FrameUniform::new(frame, sized.scratch.size, self.build.m)?;
+        let size = sized.scratch.size;
+        let mut audited = Audited::of(self.frame + 1, size);
+        self.collector.poll(&mut self.controller);
+        self.controller.follow(&frame.settings, size);
+        let effort = self.controller.effort();
+        let mut settings = frame.settings;
+        if let Some(effort) = effort {
+            audited.step = self.controller.step();
+            audited.least_below = settings.windowed.at_effort(effort - audited.step, self.build.m).least_samples;
+            settings.windowed = settings.windowed.at_effort(effort, self.build.m);
+        }
+        let uniform = FrameUniform::new(&Frame { settings, ..*frame }, size, self.build.m, audited)?;
         self.warm_up(&frame.settings)?;
         self.make_list(&frame.settings)?;
         let sized = self.sized.as_ref().ok_or(RecordError::NoSize)?;
@@ -461,11 +485,14 @@ impl DeferredAa {
         let offset = self.frame % UNIFORM_SLOTS * UNIFORM_STRIDE;
         queue.write_buffer(&self.uniforms, offset, bytemuck::bytes_of(&uniform));
         encoder.clear_buffer(&sized.scratch.statistics, 0, None);
-        let mut recorded = Recorded::new(self.frame, frame.settings.technique, sized.scratch.size, self.build.m);
+        let mut recorded = Recorded::new(self.frame, frame.settings.technique, size, self.build.m);
+        recorded.effort = effort;
         for pass in Self::passes(&frame.settings) {
             recorded.push(pass.info.name);
+            recorded.audited = recorded.audited.or((pass.step == Step::Audit).then_some(audited));
         }
-        Ok(Recording { aa: self, frame, offset: offset as u32, recorded })
+        let collects = frame.statistics || effort.is_some();
+        Ok(Recording { aa: self, frame, offset: offset as u32, recorded, audited, collects })
     }
 
     /// Makes the list of an execution that has one, in the first frame that asks for it.
@@ -506,6 +533,7 @@ impl DeferredAa {
     /// What the newest frame did whose counters have arrived, some frames after it was submitted with
     /// [`Frame::statistics`]. Never waits; the host's `submit` or `poll` moves it on.
     pub fn statistics(&mut self) -> Option<&Statistics> {
+        self.collector.poll(&mut self.controller);
         self.collector.latest()
     }
 }
@@ -517,6 +545,9 @@ pub struct Recording<'a> {
     frame: &'a Frame<'a>,
     offset: u32,
     recorded: Recorded,
+    audited: Audited,
+    /// Statistics are asked for, or the goal needs them.
+    collects: bool,
 }
 
 impl Recording<'_> {
@@ -524,7 +555,7 @@ impl Recording<'_> {
     pub fn record(&self, encoder: &mut wgpu::CommandEncoder, pass: Pass) {
         let aa = &*self.aa;
         let Some(sized) = &aa.sized else { return };
-        let timestamps = aa.collector.timestamps(pass.index).filter(|_| self.frame.statistics);
+        let timestamps = aa.collector.timestamps(pass.index).filter(|_| self.collects);
         // `begin` has compiled them all.
         match pass.step {
             Step::Resolve(source) => {
@@ -575,6 +606,10 @@ impl Recording<'_> {
             // A workgroup plans 64 tiles.
             Step::Plan => (aa.plan.pipeline(&aa.build), &sized.plan, [(tiles[0] * tiles[1]).div_ceil(64), 1]),
             Step::Shade(variant) => (aa.shade.pipeline(&aa.build, variant), &sized.shade, tiles),
+            Step::Audit => {
+                let groups = Audit::groups(self.audited, sized.scratch.size);
+                (aa.audit.pipeline(&aa.build), &sized.audit, groups)
+            }
             Step::List(kind) => {
                 let Some(made) = &sized.lists[kind as usize] else { return };
                 compute.set_bind_group(3, &made.fill, &[]);
@@ -630,8 +665,9 @@ impl Recording<'_> {
 
     /// Ends the frame: its statistics are on their way if [`Frame::statistics`] asks for them.
     pub fn finish(self, queue: &wgpu::Queue, encoder: &mut wgpu::CommandEncoder) {
-        if let (true, Some(sized)) = (self.frame.statistics, &self.aa.sized) {
-            self.aa.collector.collect(queue, encoder, &sized.scratch.statistics, self.recorded);
+        if let (true, Some(sized)) = (self.collects, &self.aa.sized) {
+            let (counters, audits) = (&sized.scratch.statistics, &self.aa.audit.errors);
+            self.aa.collector.collect(queue, encoder, counters, audits, self.recorded);
         }
     }
 }

@@ -16,6 +16,25 @@ pub struct Settings {
     pub weight: Weight,
     /// What is written to the target.
     pub view: DebugView,
+    /// An error or a time to keep to instead of the constants of [`windowed`](Self::windowed) as they stand, which are then
+    /// scaled together from frame to frame. For [`Technique::Windowed`]; the others have nothing to scale.
+    pub goal: Option<Goal>,
+}
+
+/// What the node keeps to by itself, from its own statistics, which it then collects in any case. How far it has come stands
+/// in [`Statistics::goal`](crate::Statistics::goal).
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+pub enum Goal {
+    /// Root mean square error of the displayed image (x/(1+x) of exposed radiance, then the sRGB curve, in [0, 1]) against
+    /// all n samples, 0 to 1: 0.01 is 40 dB, 0.0032 is 50 dB. Kept with the fewest samples that do. Measured in each frame
+    /// on one tile in 32 (more of a small image), all of whose samples are shaded for it: about 3 % of the cost of full
+    /// supersampling. Begins with
+    /// every sample, and leaves out more as the measurements allow. Lower: more samples.
+    Error(f32),
+    /// Milliseconds of GPU time of the node's passes, above 0. Kept with as many samples as fit. Needs
+    /// [`wgpu::Features::TIMESTAMP_QUERY`]. Higher: more samples.
+    Time(f32),
 }
 
 /// A way to plan and reconstruct over the same G-buffer.
@@ -92,6 +111,9 @@ pub struct Windowed {
     /// Samples for a window with more than one material or object, 0 to 64. Higher: better edges between coplanar
     /// materials; 0: off. Not in the paper.
     pub identity_samples: f32,
+    /// k of every window that is not all sky is at least this, 1 to 64. Higher: better where the metrics see nothing, at a
+    /// cost everywhere; n: full supersampling. Not in the paper.
+    pub least_samples: f32,
     /// The texture footprint of a shaded sample over that of the n/k samples that it stands for, 0 to 4; never less than a
     /// sample's own. Higher: blurrier textures; lower: sharper ones, that shimmer below about ½. 1 is √(n/k), the paper's.
     pub footprint: f32,
@@ -209,6 +231,7 @@ impl Windowed {
         luminance: LuminanceCurve::Perceptual,
         luminance_centre: false,
         identity_samples: 0.0,
+        least_samples: 1.0,
         footprint: 1.0,
         centred: false,
         edge_aware_first: false,
@@ -230,11 +253,33 @@ impl Windowed {
         luminance: LuminanceCurve::Perceptual,
         luminance_centre: true,
         identity_samples: 0.0,
+        least_samples: 1.0,
         footprint: 1.0,
         centred: true,
         edge_aware_first: true,
         tile_limit: Self::NO_TILE_LIMIT,
     };
+}
+
+impl Windowed {
+    /// The settings with all metrics scaled by 2^effort, -12 to 8: from 0 up their thresholds fall as much, and from 4 up to 8
+    /// the least k rises to n. 0 leaves them as they are.
+    pub(crate) fn at_effort(self, effort: f32, m: u32) -> Self {
+        let scale = effort.exp2();
+        let threshold = 1.0 / scale.max(1.0);
+        let n = (m * m) as f32;
+        let least = 1.0 + (n - 1.0) * ((effort - 4.0) / 4.0).clamp(0.0, 1.0);
+        Self {
+            depth_scale: (self.depth_scale * scale).min(1e9),
+            normal_scale: (self.normal_scale * scale).min(1e6),
+            luminance_scale: (self.luminance_scale * scale).min(1e6),
+            luminance_min: self.luminance_min * threshold,
+            luminance_edge: self.luminance_edge * threshold,
+            identity_samples: (self.identity_samples * scale).min(64.0),
+            least_samples: self.least_samples.max(least),
+            ..self
+        }
+    }
 }
 
 impl Default for Windowed {
@@ -310,19 +355,25 @@ impl Settings {
     pub fn validate(&self) -> Result<(), SettingsError> {
         let w = &self.windowed;
         let ranges = [
-            ("windowed.depth_scale", w.depth_scale, 1e9),
-            ("windowed.normal_scale", w.normal_scale, 1e6),
-            ("windowed.luminance_scale", w.luminance_scale, 1e6),
-            ("windowed.luminance_min", w.luminance_min, 1e6),
-            ("windowed.luminance_edge", w.luminance_edge, 1.0),
-            ("windowed.identity_samples", w.identity_samples, 64.0),
-            ("windowed.footprint", w.footprint, 4.0),
-            ("windowed.tile_limit", w.tile_limit as f32, Windowed::NO_TILE_LIMIT as f32),
+            ("windowed.depth_scale", w.depth_scale, 0.0, 1e9),
+            ("windowed.normal_scale", w.normal_scale, 0.0, 1e6),
+            ("windowed.luminance_scale", w.luminance_scale, 0.0, 1e6),
+            ("windowed.luminance_min", w.luminance_min, 0.0, 1e6),
+            ("windowed.luminance_edge", w.luminance_edge, 0.0, 1.0),
+            ("windowed.identity_samples", w.identity_samples, 0.0, 64.0),
+            ("windowed.least_samples", w.least_samples, 1.0, 64.0),
+            ("windowed.footprint", w.footprint, 0.0, 4.0),
+            ("windowed.tile_limit", w.tile_limit as f32, 0.0, Windowed::NO_TILE_LIMIT as f32),
+            match self.goal {
+                Some(Goal::Error(error)) => ("goal.error", error, 0.0, 1.0),
+                Some(Goal::Time(milliseconds)) => ("goal.time", milliseconds, f32::MIN_POSITIVE, 1e6),
+                None => ("goal", 0.0, 0.0, 0.0),
+            },
         ];
-        for (field, value, most) in ranges {
+        for (field, value, least, most) in ranges {
             // Written so that NaN fails.
-            if !(0.0..=most).contains(&value) {
-                return Err(SettingsError { field, value, least: 0.0, most });
+            if !(least..=most).contains(&value) {
+                return Err(SettingsError { field, value, least, most });
             }
         }
         Ok(())

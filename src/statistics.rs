@@ -1,5 +1,7 @@
 //! What a frame did: counted on the GPU, read back without waiting.
 
+use crate::audit::{self, Audited};
+use crate::goal::{Controller, GoalProgress, Measured};
 use crate::settings::Technique;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
@@ -12,16 +14,18 @@ pub(crate) struct Counters {
     pub not_finite: u32,
     pub negative: u32,
     pub overflowed_tiles: u32,
-    pub decided: [u32; 5],
+    pub decided: [u32; 6],
 }
 
 pub(crate) const COUNTER_BYTES: u64 = size_of::<Counters>() as u64;
 
 /// Most passes of a frame.
-pub(crate) const MAX_PASSES: usize = 7;
+pub(crate) const MAX_PASSES: usize = 8;
 const TIMESTAMP_BYTES: u64 = (MAX_PASSES * 2 * 8) as u64;
 /// Where the timestamps lie in a read-back buffer, aligned as `resolve_query_set` copies want it.
 const TIMESTAMPS_AT: u64 = COUNTER_BYTES.next_multiple_of(8);
+/// Where the audited errors do.
+const AUDITS_AT: u64 = TIMESTAMPS_AT + TIMESTAMP_BYTES;
 /// Frames whose statistics may be under way at once.
 const IN_FLIGHT: usize = 4;
 
@@ -41,14 +45,16 @@ pub struct Statistics {
     pub mean_k: f64,
     /// Windows by k: `histogram_k[0]` had k = 1. As long as n.
     pub histogram_k: Vec<u32>,
-    /// Windows whose k was decided by nothing (k = 1), depth, normal, luminance, identity.
-    pub decided: [u32; 5],
+    /// Windows whose k was decided by nothing (k = 1), depth, normal, luminance, identity, the least allowed.
+    pub decided: [u32; 6],
     /// Samples that came back from the host's code with NaN or infinity, and were shaded black.
     pub not_finite: u32,
     /// Samples that came back with a negative component, and were clamped to 0.
     pub negative: u32,
     /// Tiles that wanted more than [`tile_limit`](crate::Windowed::tile_limit) samples and fell back to k = 1.
     pub overflowed_tiles: u32,
+    /// How far the search for [`Settings::goal`](crate::Settings::goal) had come when this frame's counters arrived.
+    pub goal: Option<GoalProgress>,
     /// The passes in order, with their GPU time in milliseconds where the device has timestamps.
     pub passes: Vec<PassTime>,
 }
@@ -70,13 +76,17 @@ pub(crate) struct Recorded {
     pub technique: Technique,
     pub size: [u32; 2],
     pub m: u32,
+    /// With a goal.
+    pub effort: Option<f32>,
+    /// With an audit.
+    pub audited: Option<Audited>,
     pub names: [&'static str; MAX_PASSES],
     pub passes: usize,
 }
 
 impl Recorded {
     pub fn new(frame: u64, technique: Technique, size: [u32; 2], m: u32) -> Self {
-        Self { frame, technique, size, m, names: [""; MAX_PASSES], passes: 0 }
+        Self { frame, technique, size, m, effort: None, audited: None, names: [""; MAX_PASSES], passes: 0 }
     }
 
     pub fn push(&mut self, name: &'static str) {
@@ -130,7 +140,7 @@ impl Collector {
         let slots = (0..IN_FLIGHT).map(|_| Slot {
             buffer: device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("daa statistics read-back"),
-                size: TIMESTAMPS_AT + TIMESTAMP_BYTES,
+                size: AUDITS_AT + audit::BYTES,
                 usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
                 mapped_at_creation: false,
             }),
@@ -170,6 +180,7 @@ impl Collector {
         queue: &wgpu::Queue,
         encoder: &mut wgpu::CommandEncoder,
         counters: &wgpu::Buffer,
+        audits: &wgpu::Buffer,
         recorded: Recorded,
     ) {
         self.nanoseconds_per_tick = f64::from(queue.get_timestamp_period());
@@ -180,6 +191,9 @@ impl Collector {
             encoder.resolve_query_set(queries, 0..count, resolved, 0);
             encoder.copy_buffer_to_buffer(resolved, 0, &slot.buffer, TIMESTAMPS_AT, TIMESTAMP_BYTES);
         }
+        if recorded.audited.is_some() {
+            encoder.copy_buffer_to_buffer(audits, 0, &slot.buffer, AUDITS_AT, audit::BYTES);
+        }
         slot.state.store(UNDER_WAY, Ordering::Release);
         slot.recorded = Some(recorded);
         let landing = Landing { state: slot.state.clone(), to: FREE };
@@ -188,15 +202,21 @@ impl Collector {
         });
     }
 
-    /// The newest frame whose counters have arrived.
-    pub fn latest(&mut self) -> Option<&Statistics> {
-        for slot in &mut self.slots {
-            if slot.state.load(Ordering::Acquire) != READY {
-                continue;
-            }
+    /// Takes in what has arrived, oldest first.
+    pub fn poll(&mut self, controller: &mut Controller) {
+        let ready = |slot: &Slot| slot.state.load(Ordering::Acquire) == READY;
+        let age = |slot: &Slot| slot.recorded.map_or(0, |r| r.frame);
+        while let Some(slot) = self.slots.iter_mut().filter(|s| ready(s)).min_by_key(|s| age(s)) {
             if let (Some(recorded), Ok(bytes)) = (slot.recorded.take(), slot.buffer.get_mapped_range(..)) {
                 let timed = self.queries.is_some().then_some(self.nanoseconds_per_tick);
-                let read = read(&bytes, &recorded, timed);
+                let mut read = read(&bytes, &recorded, timed);
+                if let Some(effort) = recorded.effort {
+                    let errors: Vec<[f32; 2]> = bytemuck::pod_collect_to_vec(&bytes[AUDITS_AT as usize..]);
+                    let milliseconds = read.passes.iter().map(|p| p.milliseconds).sum();
+                    let audits = recorded.audited.map(|audited| (audited, &errors[..]));
+                    controller.learn(&Measured { effort, milliseconds, audits });
+                    read.goal = controller.progress(effort);
+                }
                 if self.latest.as_ref().is_none_or(|latest| latest.frame < read.frame) {
                     self.latest = Some(read);
                 }
@@ -204,6 +224,10 @@ impl Collector {
             slot.buffer.unmap();
             slot.state.store(FREE, Ordering::Release);
         }
+    }
+
+    /// The newest frame whose counters have arrived.
+    pub fn latest(&self) -> Option<&Statistics> {
         self.latest.as_ref()
     }
 }
@@ -219,7 +243,7 @@ fn read(bytes: &[u8], recorded: &Recorded, nanoseconds_per_tick: Option<f64>) ->
         let k = if recorded.technique == Technique::Full { n } else { 1 };
         histogram_k = vec![0; n];
         histogram_k[k - 1] = windows as u32;
-        decided = [windows as u32, 0, 0, 0, 0];
+        decided = [windows as u32, 0, 0, 0, 0, 0];
     }
     let shaded = histogram_k.iter().zip(1u64..).map(|(&windows, k)| u64::from(windows) * k).sum();
     let ticks: Vec<u64> =
@@ -240,6 +264,7 @@ fn read(bytes: &[u8], recorded: &Recorded, nanoseconds_per_tick: Option<f64>) ->
         not_finite: c.not_finite,
         negative: c.negative,
         overflowed_tiles: c.overflowed_tiles,
+        goal: None,
         passes: passes.collect(),
     }
 }

@@ -301,8 +301,8 @@ fn one_line(text: &str) -> String {
 #[rustfmt::skip]
 pub(crate) const BUILTINS: &[&str] = &[
     "abs", "all", "any", "array", "arrayLength", "atan2", "atomic", "atomicAdd", "atomicLoad", "binding_array",
-    "bitcast", "bool", "clamp", "cos", "cross", "dot", "f32", "fract", "i32", "inverseSqrt", "length", "log2",
-    "mat4x2f", "mat4x4f", "max", "min", "normalize", "round", "sampler", "select", "sin", "sqrt", "textureLoad",
+    "bitcast", "bool", "clamp", "cos", "cross", "dot", "exp2", "f32", "fract", "i32", "inverseSqrt", "length", "log2",
+    "mat4x2f", "mat4x4f", "max", "min", "normalize", "pow", "round", "sampler", "select", "sin", "sqrt", "textureLoad",
     "textureSampleGrad", "textureStore", "texture_2d", "texture_2d_array", "texture_depth_2d", "texture_storage_2d",
     "u32", "unpack2x16float", "unpack2x16snorm", "unpack4x8snorm", "unpack4x8unorm", "vec2f", "vec2i", "vec2u",
     "vec3f", "vec3u", "vec4f", "vec4u", "workgroupBarrier",

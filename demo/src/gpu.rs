@@ -13,6 +13,7 @@ pub struct Gpu {
     /// Its queue.
     pub queue: wgpu::Queue,
     errors: Arc<Mutex<Vec<String>>>,
+    lost: Arc<Mutex<Option<String>>>,
 }
 
 /// No device could be had.
@@ -98,12 +99,25 @@ impl Gpu {
         device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| {
             log.lock().unwrap_or_else(std::sync::PoisonError::into_inner).push(e.to_string());
         }));
-        Ok(Self { adapter, device, queue, errors })
+        let lost = Arc::new(Mutex::new(None));
+        let log = lost.clone();
+        device.set_device_lost_callback(move |reason, message| {
+            let text = format!("{reason:?} {message}").split_whitespace().collect::<Vec<_>>().join(" ");
+            log.lock().unwrap_or_else(std::sync::PoisonError::into_inner).get_or_insert(text);
+        });
+        Ok(Self { adapter, device, queue, errors, lost })
     }
 
     /// Everything that wgpu complained of since the last call. Empty in a sound program.
     pub fn take_errors(&self) -> Vec<String> {
         std::mem::take(&mut *self.errors.lock().unwrap_or_else(std::sync::PoisonError::into_inner))
+    }
+
+    /// Why the device is gone, once it is: nothing that it is asked for arrives any more.
+    pub fn lost(&self) -> Option<String> {
+        // The callback runs when the device is polled.
+        let _ = self.device.poll(wgpu::PollType::Poll);
+        self.lost.lock().unwrap_or_else(std::sync::PoisonError::into_inner).clone()
     }
 
     /// The first of [`take_errors`](Self::take_errors), in one line.

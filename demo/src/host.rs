@@ -51,6 +51,8 @@ pub struct Host {
     pub options: Options,
     raster: Raster,
     host_bind_group: wgpu::BindGroup,
+    lighting: wgpu::Buffer,
+    lighting_values: Lighting,
     target: wgpu::Texture,
     target_view: wgpu::TextureView,
 }
@@ -85,6 +87,9 @@ pub enum HostError {
     /// Statistics did not arrive.
     #[error("the device returned no statistics; it may have been lost")]
     NoStatistics,
+    /// The device is gone.
+    #[error("the graphics device was lost ({0}); start again, with a smaller --size or --m if it was out of memory")]
+    Lost(String),
     /// An image that a peer was not made for.
     #[error("{peer}: the image is {}x{}, the peers are for {}x{}: make them anew", image.0, image.1, size.0, size.1)]
     PeerSize {
@@ -98,7 +103,7 @@ pub enum HostError {
 }
 
 #[repr(C)]
-#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+#[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 pub(crate) struct Lighting {
     pub(crate) to_sun: [f32; 3],
     pub(crate) light_count: u32,
@@ -132,6 +137,31 @@ fn host_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
         label: Some("shading"),
         entries: &[buffer(0, wgpu::BufferBindingType::Uniform), buffer(1, storage), buffer(2, storage)],
     })
+}
+
+/// With `TEXTURE_BINDING`, so that a pass of the host's own can read it.
+fn target(device: &wgpu::Device, width: u32, height: u32) -> (wgpu::Texture, wgpu::TextureView) {
+    let texture = device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("target"),
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: TARGET_FORMAT,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT
+            | wgpu::TextureUsages::COPY_SRC
+            | wgpu::TextureUsages::TEXTURE_BINDING,
+        view_formats: &[],
+    });
+    let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+    (texture, view)
+}
+
+impl HostError {
+    /// The device is gone, and with it all that is on it.
+    pub fn is_loss(&self) -> bool {
+        matches!(self, Self::Lost(_) | Self::NoStatistics)
+    }
 }
 
 impl Host {
@@ -169,20 +199,20 @@ impl Host {
                 wgpu::BindGroupEntry { binding: 2, resource: uploaded.materials.as_entire_binding() },
             ],
         });
-        let target = device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("target"),
-            size: wgpu::Extent3d { width: options.width, height: options.height, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: TARGET_FORMAT,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT
-                | wgpu::TextureUsages::TEXTURE_BINDING
-                | wgpu::TextureUsages::COPY_SRC,
-            view_formats: &[],
-        });
-        let target_view = target.create_view(&wgpu::TextureViewDescriptor::default());
-        let host = Self { aa, scene, uploaded, options, raster, host_bind_group, target, target_view, gpu };
+        let (target, target_view) = target(device, options.width, options.height);
+        let host = Self {
+            aa,
+            scene,
+            uploaded,
+            options,
+            raster,
+            host_bind_group,
+            lighting,
+            lighting_values: values,
+            target,
+            target_view,
+            gpu,
+        };
         host.complaints()?;
         Ok(host)
     }
@@ -193,7 +223,7 @@ impl Host {
         self.frame_with(node_camera(camera, self.options.width, self.options.height), settings)
     }
 
-    /// [`frame`](Self::frame) by a camera that may be off-centre.
+    /// [`frame`](Self::frame) by a camera that may be off-centre, such as part of another's picture.
     pub fn frame_with(&mut self, camera: deferred_aa::Camera, settings: Settings) -> Result<Shot, HostError> {
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         if let Some(gbuffer) = self.aa.gbuffer() {
@@ -232,6 +262,31 @@ impl Host {
         self.gpu.wait();
         self.complaints()?;
         Ok(self.aa.statistics().ok_or(HostError::NoStatistics)?.clone())
+    }
+
+    /// Changes the output size. The picture is lost.
+    pub fn resize(&mut self, width: u32, height: u32) -> Result<(), HostError> {
+        self.aa.resize(&self.gpu.device, width, height)?;
+        (self.target, self.target_view) = target(&self.gpu.device, width, height);
+        (self.options.width, self.options.height) = (width, height);
+        self.complaints()
+    }
+
+    /// Runs the light loop this often from the next frame on, at least once.
+    pub fn set_stall(&mut self, stall: u32) {
+        self.options.stall = stall.max(1);
+        self.lighting_values.stall = self.options.stall;
+        self.write_lighting();
+    }
+
+    /// Lights the scene with its first `count` lights only, from the next frame on.
+    pub fn set_light_count(&mut self, count: u32) {
+        self.lighting_values.light_count = count.min(self.uploaded.light_count);
+        self.write_lighting();
+    }
+
+    fn write_lighting(&self) {
+        self.gpu.queue.write_buffer(&self.lighting, 0, bytemuck::bytes_of(&self.lighting_values));
     }
 
     /// The target: linear HDR in [`TARGET_FORMAT`], the image of the last frame.
@@ -301,6 +356,9 @@ impl Host {
     }
 
     fn complaints(&self) -> Result<(), HostError> {
+        if let Some(why) = self.gpu.lost() {
+            return Err(HostError::Lost(why));
+        }
         self.gpu.complaint().map_or(Ok(()), |complaint| Err(HostError::Device(complaint)))
     }
 }

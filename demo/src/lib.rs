@@ -5,6 +5,7 @@
 #![deny(missing_docs)]
 
 pub mod commands;
+pub mod goal;
 pub mod gpu;
 pub mod host;
 #[cfg(test)]
@@ -16,6 +17,7 @@ pub mod peers;
 pub mod picture;
 pub mod quality;
 pub mod raster;
+pub mod report;
 pub mod scene;
 pub mod stats;
 pub mod temporal;

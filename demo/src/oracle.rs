@@ -25,7 +25,7 @@ pub struct Windows {
 }
 
 /// The bound at one error.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Neyman {
     /// Samples over n · w · h, at least 1/n. Windows may have fractions of a sample, so that no whole numbers do better.
     pub ratio: f64,

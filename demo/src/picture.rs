@@ -226,7 +226,7 @@ pub fn heat(k: u32, n_max: u32) -> [u8; 3] {
 
 /// The colour map Inferno by Nathaniel Smith and Stéfan van der Walt (CC0), whose lightness is monotone, as the
 /// polynomial of degree 6 fitted by Matt Zucker (shadertoy.com/view/WlfXRN, CC0). Within 0.034 of matplotlib's table.
-fn inferno(t: f32) -> [u8; 3] {
+pub(crate) fn inferno(t: f32) -> [u8; 3] {
     #[rustfmt::skip]
     const C: [[f32; 3]; 7] = [
         [  0.000219,   0.001651,  -0.019481],

@@ -27,7 +27,7 @@ pub const NOT_FINITE_LINEAR: f64 = -65504.0;
 pub const RELATIVE_EPSILON: f64 = 0.01;
 
 /// How near an image is to a reference. A field is `None` only where the measure does not exist for this input.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Quality {
     /// [`psnr`] in dB; higher is better, [`IDENTICAL_DB`] for identical images.
     pub psnr_db: Option<f64>,

@@ -4,7 +4,7 @@ use crate::scene::{Camera, Lens, Scene};
 use crate::upload::{GpuScene, Vertex};
 use deferred_aa::{DeferredAa, GBuffer, TextureTier, gbuffer};
 use glam::camera::rh::{proj::directx, view::look_at_mat4};
-use glam::{DMat4, DVec3, Vec3};
+use glam::{DMat4, DVec3, Mat4, Vec2, Vec3, Vec4};
 
 /// Pipelines and per-frame buffers.
 #[derive(Debug)]
@@ -58,6 +58,20 @@ pub fn node_camera(camera: &Camera, width: u32, height: u32) -> deferred_aa::Cam
     // The inverse of a far-away look-at loses digits in the translation, which is the eye itself.
     world_from_view.w_axis = camera.eye.extend(1.0);
     deferred_aa::Camera { world_from_view, clip_from_view }
+}
+
+/// The camera of a picture that is `size` pixels of the picture of `camera`, from `at` on, in pixels of its `full` size.
+/// The samples keep their places to a fraction of a pixel, so that a shift by part of a pixel gives samples in between.
+pub fn crop(camera: deferred_aa::Camera, full: Vec2, at: Vec2, size: Vec2) -> deferred_aa::Camera {
+    let scale = full / size;
+    let shift = (full - 2.0 * at) / size - 1.0;
+    let crop = Mat4::from_cols(
+        Vec4::new(scale.x, 0.0, 0.0, 0.0),
+        Vec4::new(0.0, scale.y, 0.0, 0.0),
+        Vec4::Z,
+        Vec4::new(shift.x, -shift.y, 0.0, 1.0),
+    );
+    deferred_aa::Camera { clip_from_view: crop * camera.clip_from_view, ..camera }
 }
 
 impl Raster {
@@ -193,9 +207,9 @@ impl Raster {
     ) {
         let eye = camera.world_from_view.w_axis.truncate().as_dvec3();
         let mut rotation = camera.world_from_view;
-        rotation.w_axis = glam::Vec4::W;
+        rotation.w_axis = Vec4::W;
         let back = camera.world_from_view.z_axis.truncate();
-        let orthographic = f32::from(u8::from(camera.clip_from_view.row(3) == glam::Vec4::W));
+        let orthographic = f32::from(u8::from(camera.clip_from_view.row(3) == Vec4::W));
         let view = View {
             clip_from_relative: (camera.clip_from_view * rotation.transpose()).to_cols_array_2d(),
             orthographic: back.extend(orthographic).to_array(),

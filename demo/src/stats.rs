@@ -1,41 +1,50 @@
 //! stats.json.
 
+use crate::gpu::Gpu;
 use crate::host::{Host, Shot};
 use crate::quality::Quality;
 use deferred_aa::{DeferredAa, Settings};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// One measured entry: a technique with its settings on a view.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Stats {
     scene: String,
     width: u32,
     height: u32,
-    m: u32,
-    technique: deferred_aa::Technique,
-    settings: Settings,
+    /// Samples along one side of a window.
+    pub m: u32,
+    /// As on the command line, peers included.
+    pub technique: String,
+    /// That were recorded.
+    pub settings: Settings,
     stall: u32,
     adapter: Adapter,
     /// What was shaded.
     pub samples: Samples,
     rays: Rays,
     /// By pass, `gbuffer` and `total` included.
-    pub time_ms: BTreeMap<&'static str, Spread>,
+    pub time_ms: BTreeMap<String, Spread>,
     memory_bytes: Memory,
-    quality: Against,
-    passes: Vec<&'static str>,
+    /// How near it comes.
+    pub quality: Against,
+    passes: Vec<String>,
 }
 
-#[derive(Debug, Clone, Serialize)]
-struct Adapter {
-    name: String,
-    driver: String,
-    backend: String,
+/// What it ran on.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Adapter {
+    /// The device's.
+    pub name: String,
+    /// Name and version.
+    pub driver: String,
+    /// Vulkan, Metal or DX12.
+    pub backend: String,
 }
 
 /// What was shaded.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Samples {
     /// First samples included.
     pub shaded: u64,
@@ -46,7 +55,7 @@ pub struct Samples {
     histogram_k: Vec<u32>,
 }
 
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct Rays {
     shadow: u64,
     reflection: u64,
@@ -54,7 +63,7 @@ struct Rays {
     primary: u64,
 }
 
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct Memory {
     gbuffer: u64,
     scratch: u64,
@@ -62,14 +71,17 @@ struct Memory {
     peak: Option<u64>,
 }
 
-#[derive(Debug, Clone, Serialize)]
-struct Against {
-    grid: Option<Quality>,
-    truth: Option<Quality>,
+/// How near an image comes to what it stands for.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Against {
+    /// All samples of the same grid.
+    pub grid: Option<Quality>,
+    /// Many more samples.
+    pub truth: Option<Quality>,
 }
 
 /// Milliseconds over the measured frames.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Spread {
     /// The fastest.
     pub min: f64,
@@ -88,11 +100,22 @@ impl Spread {
     }
 }
 
+impl Adapter {
+    /// Of a device.
+    pub fn of(gpu: &Gpu) -> Self {
+        let info = gpu.adapter.get_info();
+        Self {
+            driver: format!("{} {}", info.driver, info.driver_info).trim().to_owned(),
+            backend: format!("{:?}", info.backend),
+            name: info.name,
+        }
+    }
+}
+
 impl Stats {
     /// Of frames of the same settings, measured after each other. `None` without a frame.
     pub fn new(host: &Host, settings: Settings, shots: &[Shot], grid: Option<Quality>) -> Option<Self> {
         let last = shots.last()?;
-        let info = host.gpu.adapter.get_info();
         let memory = host.aa.memory();
         let s = &last.statistics;
         Some(Self {
@@ -100,20 +123,16 @@ impl Stats {
             width: host.options.width,
             height: host.options.height,
             m: host.options.m,
-            technique: settings.technique,
+            technique: format!("{:?}", settings.technique).to_lowercase(),
             settings,
             stall: host.options.stall,
-            adapter: Adapter {
-                name: info.name,
-                driver: format!("{} {}", info.driver, info.driver_info).trim().to_owned(),
-                backend: format!("{:?}", info.backend),
-            },
+            adapter: Adapter::of(&host.gpu),
             samples: Samples { shaded: s.shaded, ratio: s.ratio, mean_k: s.mean_k, histogram_k: s.histogram_k.clone() },
             rays: Rays { shadow: 0, reflection: 0, refraction: 0, primary: 0 },
             time_ms: times(shots),
             memory_bytes: Memory { gbuffer: memory.gbuffer, scratch: memory.scratch, rays: 0, peak: None },
             quality: Against { grid, truth: None },
-            passes: DeferredAa::passes(&settings).map(|p| p.info.name).collect(),
+            passes: DeferredAa::passes(&settings).map(|p| p.info.name.to_owned()).collect(),
         })
     }
 
@@ -126,6 +145,13 @@ impl Stats {
             .then_some((of(self)? / extra as f64) / (of(full)? / full.samples.shaded as f64))
     }
 
+    /// The same for a peer that ran on this image in a pass of its own, which the shots hold.
+    pub fn of_peer(mut self, name: &str) -> Self {
+        name.clone_into(&mut self.technique);
+        self.passes.push(name.to_owned());
+        self
+    }
+
     /// Median milliseconds of the node's passes together, G-buffer left out.
     pub fn node_ms(&self) -> Option<f64> {
         self.time_ms.get("node").map(|s| s.median)
@@ -133,7 +159,7 @@ impl Stats {
 }
 
 /// Each pass, `gbuffer`, `node` (all passes of the node) and `total` (both). Empty without timestamps.
-fn times(shots: &[Shot]) -> BTreeMap<&'static str, Spread> {
+pub fn times(shots: &[Shot]) -> BTreeMap<String, Spread> {
     let mut all: BTreeMap<&'static str, Vec<f64>> = BTreeMap::new();
     for shot in shots {
         let passes: Option<Vec<_>> =
@@ -144,7 +170,7 @@ fn times(shots: &[Shot]) -> BTreeMap<&'static str, Spread> {
             all.entry(name).or_default().push(ms);
         }
     }
-    all.into_iter().filter_map(|(name, values)| Some((name, Spread::of(values)?))).collect()
+    all.into_iter().filter_map(|(name, values)| Some((name.to_owned(), Spread::of(values)?))).collect()
 }
 
 #[cfg(test)]

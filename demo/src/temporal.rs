@@ -60,7 +60,7 @@ fn pixel_angle(camera: &Camera, distance: f32, height: u32) -> f32 {
 
 /// Standard deviation over time of (image − truth of that frame), of displayed values in [0, 1], averaged over RGB.
 /// An error that stays is none: it is what the other measures see.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Deviation {
     /// Over all pixels; lower is better.
     pub mean: f64,

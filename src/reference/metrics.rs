@@ -24,6 +24,8 @@ pub enum By {
     Luminance = 3,
     /// Material or object.
     Identity = 4,
+    /// The least k allowed.
+    Least = 5,
 }
 
 /// What the metrics read.
@@ -195,6 +197,9 @@ impl Input<'_> {
         }
         if w.identity_samples > 0.0 && self.mixed_identity(px, py) {
             ask(f64::from(w.identity_samples), By::Identity);
+        }
+        if !all_sky {
+            ask(f64::from(w.least_samples), By::Least);
         }
         let exact = exact.min(n);
         let k = exact.round_ties_even() as u32;

@@ -3,6 +3,7 @@
 //! The twin takes what the GPU pass took (the G-buffer's bits, S, the counts) and says what it should have made of it. k is
 //! an integer, so both must agree, except where the metric lies within [`metrics::ROUNDING_BAND`] of a half.
 
+pub mod audit;
 pub mod list;
 pub mod max_filter;
 pub mod metrics;

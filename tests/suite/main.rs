@@ -3,6 +3,7 @@
 
 mod api;
 mod example;
+mod goals;
 mod harness;
 mod numerics;
 mod scenes;

@@ -48,7 +48,7 @@ impl Demo {
     pub fn run(self) -> Result<(), CommandError> {
         let base = set::apply(self.preset.settings(), &self.settings)?;
         let (mut host, camera) = self.view.open()?;
-        let out = &self.view.out;
+        let out = &self.view.scene.out;
         let mut entries = Vec::new();
         for (technique, execution, title) in ENTRIES {
             let settings = Settings { technique, execution, ..base };

@@ -3,6 +3,7 @@
 mod adapters;
 mod demo;
 mod render;
+mod report;
 mod set;
 mod tune;
 
@@ -12,6 +13,7 @@ use crate::names::did_you_mean;
 use crate::picture::PictureError;
 use crate::quality::QualityError;
 use crate::raster::look_at;
+use crate::report::ReportError;
 use crate::scene::load::LoadError;
 use crate::scene::{Camera, Scene, builtin, load};
 use deferred_aa::{Preset, Technique, TextureTier};
@@ -32,6 +34,8 @@ enum Command {
     Render(render::Render),
     /// Renders a scene by Single, Windowed and Full, draws a comparison strip and prints a table.
     Demo(demo::Demo),
+    /// Measures techniques over their settings against the truth: report.html, report.json, and pictures of every entry.
+    Report(report::Report),
     /// Searches the settings of windowed for presets that reach given errors with the fewest samples on several scenes.
     Tune(tune::Tune),
     /// Lists the graphics adapters and what each can run.
@@ -56,6 +60,9 @@ pub enum CommandError {
     /// A measure.
     #[error(transparent)]
     Quality(#[from] QualityError),
+    /// The report.
+    #[error(transparent)]
+    Report(#[from] ReportError),
     /// Something on the command line.
     #[error("{argument}: {problem}")]
     Argument {
@@ -80,6 +87,7 @@ impl Cli {
         match self.command {
             Command::Render(render) => render.run(),
             Command::Demo(demo) => demo.run(),
+            Command::Report(report) => report.run(),
             Command::Tune(tune) => tune.run(),
             Command::Adapters => {
                 adapters::run();
@@ -89,9 +97,19 @@ impl Cli {
     }
 }
 
-/// What to look at, and at which size: shared by all commands that render.
+/// What to look at, at which size and m: shared by all commands that render one m.
 #[derive(Debug, Clone, clap::Args)]
 struct ViewArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// Samples along one side of a pixel's window, 1 to 8.
+    #[arg(long, short, default_value_t = 4)]
+    m: u32,
+}
+
+/// What to look at, and at which size: shared by all commands that render.
+#[derive(Debug, Clone, clap::Args)]
+struct SceneArgs {
     /// A built-in scene (atrium, fence, checker, spheres, cornell, flat, empty) or a .gltf or .glb file.
     #[arg(long, default_value = "atrium")]
     scene: String,
@@ -101,9 +119,6 @@ struct ViewArgs {
     /// Pixels, WIDTHxHEIGHT.
     #[arg(long, default_value = "960x540", value_parser = parse_size)]
     size: (u32, u32),
-    /// Samples along one side of a pixel's window, 1 to 8.
-    #[arg(long, short, default_value_t = 4)]
-    m: u32,
     /// x,y,z,tx,ty,tz[,fov]: from where, to where, vertical field of view in degrees; else the scene's own camera, or one
     /// that frames it.
     #[arg(long, allow_hyphen_values = true, value_parser = parse_camera)]
@@ -189,37 +204,74 @@ pub fn open_scene(name: &str, index: Option<usize>) -> Result<Scene, CommandErro
     Ok(load::load(path, index)?)
 }
 
+/// A mistake on the command line.
+fn wrong(argument: &str, problem: String) -> CommandError {
+    CommandError::Argument { argument: argument.to_owned(), problem }
+}
+
+fn check_m(m: u32) -> Result<u32, CommandError> {
+    if (1..=deferred_aa::window::MAX_M).contains(&m) {
+        Ok(m)
+    } else {
+        Err(wrong("--m", format!("{m} is not in 1 to 8")))
+    }
+}
+
 impl ViewArgs {
     /// The host with its scene loaded, and the camera. Notices go to stderr.
     fn open(&self) -> Result<(Host, Camera), CommandError> {
-        let argument = |argument: &str, problem: String| CommandError::Argument { argument: argument.into(), problem };
-        if !(1..=deferred_aa::window::MAX_M).contains(&self.m) {
-            return Err(argument("--m", format!("{} is not in 1 to 8", self.m)));
-        }
+        let m = check_m(self.m)?;
+        let args = &self.scene;
+        let Opened { scene, gpu, camera } = args.open(m)?;
+        let (width, height) = args.size;
+        let textures = args.textures.tier();
+        let options = Options { width, height, m, textures, stall: args.stall, anisotropy: args.anisotropy };
+        let host = Host::new(gpu, scene, options)?;
+        note(&host);
+        Ok((host, camera))
+    }
+}
+
+/// What a view needs, before anything of its size is made.
+struct Opened {
+    scene: Scene,
+    gpu: Gpu,
+    camera: Camera,
+}
+
+impl SceneArgs {
+    /// The scene, a device for nodes of this m, and the camera. The folder for results is there.
+    fn open(&self, m: u32) -> Result<Opened, CommandError> {
         if !(1..=16).contains(&self.anisotropy) {
-            return Err(argument("--anisotropy", format!("{} is not in 1 to 16", self.anisotropy)));
+            return Err(wrong("--anisotropy", format!("{} is not in 1 to 16", self.anisotropy)));
         }
         if self.stall == 0 {
-            return Err(argument("--stall", "0 would not light anything: 1 or more".to_owned()));
+            return Err(wrong("--stall", "0 would not light anything: 1 or more".to_owned()));
         }
         let scene = open_scene(&self.scene, self.scene_index)?;
         std::fs::create_dir_all(&self.out)
-            .map_err(|e| argument("--out", format!("{}: {e}; name a folder that can be made", self.out.display())))?;
+            .map_err(|e| wrong("--out", format!("{}: {e}; name a folder that can be made", self.out.display())))?;
         let adapter = gpu::choose(self.adapter.as_deref())?;
-        let textures = match self.textures {
-            TextureArg::Arrays => TextureTier::Arrays,
-            TextureArg::Bindings => TextureTier::Bindings,
-        };
-        let gpu = Gpu::new(adapter, &host::descriptor(self.m, textures))?;
+        let gpu = Gpu::new(adapter, &host::descriptor(m, self.textures.tier()))?;
         let own = scene.default_camera();
         let camera = self.camera.map_or(own, |c| look_at(c.eye, c.target, c.fov_y, own.near));
-        let (width, height) = self.size;
-        let options = Options { width, height, m: self.m, textures, stall: self.stall, anisotropy: self.anisotropy };
-        let host = Host::new(gpu, scene, options)?;
-        for notice in host.scene.notices.iter().chain(&host.uploaded.notices) {
-            eprintln!("note: {notice}");
+        Ok(Opened { scene, gpu, camera })
+    }
+}
+
+/// Notices go to stderr.
+fn note(host: &Host) {
+    for notice in host.scene.notices.iter().chain(&host.uploaded.notices) {
+        eprintln!("note: {notice}");
+    }
+}
+
+impl TextureArg {
+    fn tier(self) -> TextureTier {
+        match self {
+            Self::Arrays => TextureTier::Arrays,
+            Self::Bindings => TextureTier::Bindings,
         }
-        Ok((host, camera))
     }
 }
 

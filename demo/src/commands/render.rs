@@ -1,10 +1,11 @@
 //! `render`: one technique on one view, with everything that it wrote.
 
-use super::{CommandError, ViewArgs, parse_preset, parse_technique, set};
+use super::{CommandError, ViewArgs, parse_preset, parse_technique, say, set};
+use crate::goal;
 use crate::picture;
 use crate::quality;
 use crate::stats::Stats;
-use deferred_aa::{DebugView, Preset, Settings, Technique};
+use deferred_aa::{DebugView, Goal, Preset, Settings, Technique};
 use std::path::Path;
 
 /// See `deferred-aa-demo render --help`.
@@ -21,6 +22,10 @@ pub struct Render {
     /// On top of the preset, any field of the settings by its path, such as windowed.luminance_scale=40 or execution=loop; may be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     settings: Vec<String>,
+    /// An error or a time to keep to, such as error=0.01 (40 dB) or time=8 (milliseconds of the node): renders until the
+    /// search rests, and says how it ended.
+    #[arg(long, value_name = "error=E|time=MS", value_parser = goal::parse)]
+    goal: Option<Goal>,
     /// Measured frames, after one that warms up.
     #[arg(long, default_value_t = 1)]
     frames: u32,
@@ -32,8 +37,20 @@ pub struct Render {
 impl Render {
     pub fn run(self) -> Result<(), CommandError> {
         let settings = set::apply(Settings { technique: self.technique, ..self.preset.settings() }, &self.settings)?;
+        let settings = Settings { goal: self.goal, ..settings };
+        settings
+            .validate()
+            .map_err(|e| CommandError::Argument { argument: "--goal".to_owned(), problem: e.to_string() })?;
+        if self.goal.is_some() && self.technique != Technique::Windowed {
+            let problem = format!("'{:?}' has nothing to scale: use windowed", self.technique).to_lowercase();
+            return Err(CommandError::Argument { argument: "--goal".to_owned(), problem });
+        }
         let (mut host, camera) = self.view.open()?;
-        let out = &self.view.out;
+        let out = &self.view.scene.out;
+        if let Some(wanted) = self.goal {
+            let (frames, progress) = goal::seek(|| host.frame(&camera, settings))?;
+            say(&goal::ended(wanted, frames, progress));
+        }
 
         let mut shots = Vec::new();
         for frame in 0..=self.frames.max(1) {
@@ -50,7 +67,7 @@ impl Render {
         let quality = if self.no_reference || settings.view != DebugView::Image {
             None
         } else {
-            let grid = Settings { technique: Technique::Full, ..settings };
+            let grid = Settings { technique: Technique::Full, goal: None, ..settings };
             let grid = Settings { weight: deferred_aa::Weight::Linear, ..grid };
             let reference = if settings == grid {
                 image.clone()

@@ -1,7 +1,7 @@
 //! `tune`: presets that reach given errors with the fewest samples on several scenes.
 
 use super::render::write_json;
-use super::{CameraArg, CommandError, TextureArg, ViewArgs, parse_camera, parse_size, say};
+use super::{CameraArg, CommandError, SceneArgs, TextureArg, ViewArgs, parse_camera, parse_size, say};
 use crate::host::Shot;
 use crate::stats::Spread;
 use crate::tune::subject::{Figures, Subject, SubjectError, full, windowed};
@@ -195,18 +195,18 @@ impl Tune {
     }
 
     fn view_of(&self, scene: &str, camera: Option<CameraArg>) -> ViewArgs {
-        ViewArgs {
+        let scene = SceneArgs {
             scene: scene.to_owned(),
             scene_index: None,
             size: self.size,
-            m: self.m,
             camera,
             stall: 1,
             textures: TextureArg::Arrays,
             anisotropy: 16,
             adapter: self.adapter.clone(),
             out: self.out.clone(),
-        }
+        };
+        ViewArgs { scene, m: self.m }
     }
 }
 

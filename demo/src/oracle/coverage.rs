@@ -17,7 +17,7 @@ const MOST_STEP: f64 = 0.01;
 const SKY_DEPTH: f32 = 1e-30;
 
 /// What one sample a surface would give.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Coverage {
     /// Surfaces over n · w · h.
     pub ratio: f64,

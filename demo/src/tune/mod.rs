@@ -42,6 +42,7 @@ pub const START: Windowed = Windowed {
     luminance: LuminanceCurve::Perceptual,
     luminance_centre: true,
     identity_samples: 0.0,
+    least_samples: 1.0,
     footprint: 0.6,
     centred: true,
     edge_aware_first: true,
@@ -208,15 +209,17 @@ impl Tuner<'_> {
             point = self.point(Windowed { luminance_scale, ..point.windowed })?;
             upwards += 1;
         }
-        while upwards == 0 {
+        if upwards > 0 {
+            return Ok(point);
+        }
+        loop {
             let luminance_scale = step(point.windowed.luminance_scale, 1.0 / 1.04);
             let lower = self.point(Windowed { luminance_scale, ..point.windowed })?;
             if lower.spare_db(floor_db) < 0.0 || lower.windowed == point.windowed {
-                break;
+                return Ok(point);
             }
             point = lower;
         }
-        Ok(point)
     }
 }
 

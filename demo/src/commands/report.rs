@@ -1,0 +1,106 @@
+//! `report`: techniques over their settings, measured against the truth.
+
+use super::{CommandError, Opened, SceneArgs, check_m, say, set, wrong};
+use crate::names::did_you_mean;
+use crate::report::folder::Folder;
+use crate::report::plan::{PEERS, TECHNIQUES};
+use crate::report::session::{Request, Session, stop_on_interrupt};
+use crate::report::{run, table};
+use deferred_aa::Settings;
+use std::path::PathBuf;
+
+/// See `deferred-aa-demo report --help`.
+#[derive(Debug, clap::Args)]
+pub struct Report {
+    #[command(flatten)]
+    view: SceneArgs,
+    /// Samples along one side of a pixel's window, each 1 to 8, separated by commas. The truth, Single and the peers are
+    /// the same for all.
+    #[arg(long, short, value_delimiter = ',', default_value = "2,3,4")]
+    m: Vec<u32>,
+    /// What is measured, separated by commas; everything if not given: full, single, windowed, fxaa,
+    /// smaa. Cost curves need the first three.
+    #[arg(long, value_delimiter = ',')]
+    techniques: Vec<String>,
+    /// Any field of the settings by its path, for all entries; may be repeated.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    settings: Vec<String>,
+    /// Fewer settings, frames and points of curves, and a truth of 256 samples a pixel, not 1024.
+    #[arg(long)]
+    quick: bool,
+    /// Measured frames of each entry, interleaved, after one that warms up; 5, or 3 with --quick, if not given.
+    #[arg(long)]
+    frames: Option<u32>,
+    /// Takes up what an earlier run of the same report has finished in --out, and measures the rest.
+    #[arg(long)]
+    resume: bool,
+    /// Where truths are kept from one report to the next: $XDG_CACHE_HOME/deferred-aa or ~/.cache/deferred-aa if not given.
+    #[arg(long, value_name = "DIR")]
+    cache: Option<PathBuf>,
+}
+
+impl Report {
+    pub fn run(self) -> Result<(), CommandError> {
+        let ms = self.m.iter().map(|&m| check_m(m)).collect::<Result<Vec<_>, _>>()?;
+        let largest = ms.iter().copied().max().unwrap_or(1);
+        let (width, height) = self.view.size;
+        let request = Request {
+            command: command(),
+            width,
+            height,
+            ms: unique(ms),
+            techniques: techniques(&self.techniques)?,
+            stall: self.view.stall,
+            quick: self.quick,
+            frames: self.frames.unwrap_or(if self.quick { 3 } else { 5 }).max(1),
+            textures: self.view.textures.tier(),
+            anisotropy: self.view.anisotropy,
+            base: set::apply(Settings::default(), &self.settings)?,
+            resume: self.resume,
+            cache: self.cache,
+        };
+        let plan = run::plan_of(&request);
+        if plan.is_empty() {
+            let problem = "nothing to measure: at m = 1 there is single alone; name other techniques or a larger m";
+            return Err(wrong("--m", problem.to_owned()));
+        }
+        let Opened { scene, gpu, camera } = self.view.open(largest)?;
+        let folder = Folder::open(&self.view.out, run::bytes(&request, &plan), request.resume)?;
+        stop_on_interrupt();
+        let parts = run::parts(&request, &plan);
+        let mut session = Session::new(request, gpu, scene, camera, folder, parts);
+        let report = run::run(&mut session)?;
+        say(&format!("{}{}", table::table(&report), self.view.out.join("report.html").display()));
+        Ok(())
+    }
+}
+
+fn unique(mut ms: Vec<u32>) -> Vec<u32> {
+    ms.sort_unstable();
+    ms.dedup();
+    ms
+}
+
+/// The names, all of them if none is given.
+fn techniques(names: &[String]) -> Result<Vec<&'static str>, CommandError> {
+    let known: Vec<_> = TECHNIQUES.into_iter().chain(PEERS.map(|(peer, _)| peer.name())).collect();
+    if names.is_empty() {
+        return Ok(known);
+    }
+    let find = |name: &String| {
+        let found = known.iter().copied().find(|k| k == name);
+        let meant = did_you_mean(name, &known);
+        found.ok_or_else(|| wrong("--techniques", format!("no technique '{name}':{meant} choose {}", known.join(", "))))
+    };
+    names.iter().map(find).collect()
+}
+
+/// As typed, or so that a shell takes it for the same.
+fn command() -> String {
+    let quoted = |a: String| {
+        let plain = |c: char| c.is_alphanumeric() || "-_=./,:+%@".contains(c);
+        if !a.is_empty() && a.chars().all(plain) { a } else { format!("'{}'", a.replace('\'', "'\\''")) }
+    };
+    let arguments = std::env::args_os().skip(1).map(|a| quoted(a.to_string_lossy().into_owned()));
+    std::iter::once("deferred-aa-demo".to_owned()).chain(arguments).collect::<Vec<_>>().join(" ")
+}

@@ -1,0 +1,160 @@
+//! Which entries a report has, known before any work is done.
+
+use super::schema::Role;
+use crate::peers::Peer;
+use deferred_aa::{Preset, Settings, Technique, Weight, Windowed};
+
+/// One entry to measure.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Planned {
+    /// Unique, and the stem of its files.
+    pub id: String,
+    /// For people.
+    pub label: String,
+    /// Why it is here.
+    pub role: Role,
+    /// The name of its settings, if they have one.
+    pub preset: Option<&'static str>,
+    /// Samples along one side of a window.
+    pub m: u32,
+    /// What is recorded.
+    pub settings: Settings,
+    /// What runs on its image.
+    pub peer: Option<Peer>,
+}
+
+/// What `--techniques` takes, in the order of the report.
+pub const TECHNIQUES: [&str; 3] = ["full", "single", "windowed"];
+
+/// Peers, of which `--techniques` takes the names too, and how people call them.
+pub const PEERS: [(Peer, &str); 2] = [(Peer::Fxaa, "FXAA"), (Peer::Smaa, "SMAA 1x")];
+
+/// Settings of Windowed that have a name, and how people call them.
+pub const PRESETS: [(&str, &str, Windowed); 3] = [
+    ("fast", "Windowed, fast", Preset::Fast.windowed()),
+    ("quality", "Windowed, quality", Preset::Quality.windowed()),
+    ("paper", "Windowed, as in the paper", Windowed::PAPER),
+];
+
+/// What all constants of Windowed are scaled by, for the greatest m and for the others. 1 is the settings as given.
+struct Sweep(&'static [Scale], &'static [Scale]);
+
+/// A factor and its name in ids.
+type Scale = (f32, &'static str);
+
+const ALL: Sweep = Sweep(
+    &[(0.0625, "1-16"), (0.125, "1-8"), (0.25, "1-4"), (0.5, "1-2"), (1.0, ""), (2.0, "2"), (4.0, "4"), (8.0, "8")],
+    &[(0.125, "1-8"), (0.5, "1-2"), (1.0, ""), (4.0, "4")],
+);
+const QUICK: Sweep = Sweep(&[(0.0625, "1-16"), (0.25, "1-4"), (1.0, ""), (4.0, "4")], &[(0.25, "1-4"), (1.0, "")]);
+
+/// All entries: by m, the greatest first, m = 1 last. `ms` holds no m twice.
+///
+/// Single is also there at m = 1, where it is plain deferred shading without an enlarged G-buffer; the peers run on that.
+pub fn plan(ms: &[u32], techniques: &[&str], base: Settings, quick: bool) -> Vec<Planned> {
+    let mut ms: Vec<_> = ms.iter().copied().filter(|&m| m > 1).collect();
+    ms.sort_unstable_by(|a, b| b.cmp(a));
+    let wanted = |name: &str| techniques.contains(&name);
+    let mut all = Vec::new();
+    for (place, &m) in ms.iter().enumerate() {
+        let mut push = |name: &str, label: String, technique, preset, windowed| {
+            let settings = Settings { technique, windowed, ..base };
+            let id = name.replace('@', &format!("m{m}"));
+            all.push(Planned { id, label, role: Role::Technique, preset, m, settings, peer: None });
+        };
+        if wanted("full") {
+            push("full-@", format!("Full, m = {m}"), Technique::Full, None, base.windowed);
+        }
+        if wanted("single") {
+            push("single-@", format!("Single, m = {m}"), Technique::Single, None, base.windowed);
+        }
+        if wanted("windowed") {
+            let sweep = if quick { QUICK } else { ALL };
+            for &(factor, name) in if place == 0 { sweep.0 } else { sweep.1 } {
+                let (id, label) = match name {
+                    "" => ("windowed-@".to_owned(), format!("Windowed, m = {m}")),
+                    _ => (format!("windowed-@-x{name}"), format!("Windowed × {}, m = {m}", name.replace('-', "/"))),
+                };
+                // The sweep's middle is the default, unless other settings are asked for.
+                let windowed = scaled(base.windowed, factor);
+                let preset = (windowed == Preset::default().windowed()).then_some("balanced");
+                push(&id, label, Technique::Windowed, preset, windowed);
+            }
+            for (name, label, windowed) in PRESETS {
+                let (id, label) = (format!("windowed-@-{name}"), format!("{label}, m = {m}"));
+                push(&id, label, Technique::Windowed, Some(name), windowed);
+            }
+        }
+    }
+    let plain = Settings { technique: Technique::Single, ..base };
+    let at_one = |id: &str, label: &str, role, peer| {
+        let (id, label) = (id.to_owned(), label.to_owned());
+        Planned { id, label, role, preset: None, m: 1, settings: plain, peer }
+    };
+    if wanted("single") {
+        all.push(at_one("single-m1", "Single, m = 1", Role::Technique, None));
+    }
+    for (peer, label) in PEERS.into_iter().filter(|(peer, _)| wanted(peer.name())) {
+        all.push(at_one(&format!("{}-m1", peer.name()), label, Role::Peer, Some(peer)));
+    }
+    all
+}
+
+/// The constants of all metrics times a factor.
+fn scaled(w: Windowed, factor: f32) -> Windowed {
+    Windowed {
+        depth_scale: (w.depth_scale * factor).min(1e9),
+        normal_scale: (w.normal_scale * factor).min(1e6),
+        luminance_scale: (w.luminance_scale * factor).min(1e6),
+        ..w
+    }
+}
+
+/// The reference of one grid: all samples, exact mean.
+pub fn grid(base: Settings) -> Settings {
+    Settings { technique: Technique::Full, weight: Weight::Linear, ..base }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    fn ids(ms: &[u32], techniques: &[&str], quick: bool) -> Vec<String> {
+        plan(ms, techniques, Settings::default(), quick).into_iter().map(|p| p.id).collect()
+    }
+
+    #[test]
+    fn ids_are_unique_and_fit_for_file_names() {
+        for quick in [false, true] {
+            let ids = ids(&[2, 4, 3], &TECHNIQUES, quick);
+            assert_eq!(ids.iter().collect::<BTreeSet<_>>().len(), ids.len(), "{ids:?}");
+            let fits = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
+            assert!(ids.iter().all(|id| id.chars().all(fits)), "{ids:?}");
+            assert!(ids[0] == "full-m4" && ids.contains(&"windowed-m2-paper".to_owned()), "{ids:?}");
+        }
+        assert!(ids(&[4], &TECHNIQUES, true).len() < ids(&[4], &TECHNIQUES, false).len());
+    }
+
+    #[test]
+    fn only_what_is_asked_for_is_planned() {
+        assert_eq!(ids(&[2], &["full"], true), ["full-m2"]);
+        assert_eq!(ids(&[2, 1], &["single"], true), ["single-m2", "single-m1"]);
+        assert_eq!(ids(&[2], &["smaa"], true), ["smaa-m1"]);
+    }
+
+    #[test]
+    fn a_sweep_scales_all_metrics_and_stays_in_range() {
+        let base = Settings::default();
+        for planned in plan(&[4], &["windowed"], base, false) {
+            planned.settings.validate().unwrap();
+            let (w, b) = (planned.settings.windowed, base.windowed);
+            if planned.preset.is_none_or(|name| name == "balanced") {
+                let factor = w.depth_scale / b.depth_scale;
+                assert_eq!(w.normal_scale, b.normal_scale * factor, "{}", planned.id);
+                assert_eq!(w.luminance_scale, b.luminance_scale * factor, "{}", planned.id);
+                assert_eq!(planned.id == "windowed-m4", factor == 1.0);
+            }
+        }
+    }
+}

@@ -1,0 +1,190 @@
+//! What every part of a report works with: the device, the scene, the folder, the user who may be waiting or stop it.
+
+use super::ReportError;
+use super::fingerprint::Fingerprint;
+use super::folder::Folder;
+use crate::gpu::Gpu;
+use crate::host::{Host, Options, Shot};
+use crate::raster::node_camera;
+use crate::scene::{Camera, Scene};
+use crate::stats::Adapter;
+use deferred_aa::{Settings, TextureTier};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// What is asked for.
+#[derive(Debug, Clone)]
+pub struct Request {
+    /// As typed.
+    pub command: String,
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+    /// Sides of windows, each once.
+    pub ms: Vec<u32>,
+    /// Names of [`super::plan::TECHNIQUES`] and [`super::plan::PEERS`].
+    pub techniques: Vec<&'static str>,
+    /// How often the light loop runs.
+    pub stall: u32,
+    /// Fewer settings, samples and points.
+    pub quick: bool,
+    /// Measured frames of each entry.
+    pub frames: u32,
+    /// How textures are reached.
+    pub textures: TextureTier,
+    /// Of texture reads, 1 to 16.
+    pub anisotropy: u16,
+    /// What entries have in common.
+    pub base: Settings,
+    /// Take up what is finished.
+    pub resume: bool,
+    /// Where truths are kept; the user's cache folder if not given.
+    pub cache: Option<PathBuf>,
+}
+
+/// A report under way.
+#[derive(Debug)]
+pub struct Session {
+    /// What is asked for.
+    pub request: Request,
+    /// The device.
+    pub gpu: Gpu,
+    /// The scene.
+    pub scene: Scene,
+    /// From where it is seen.
+    pub view: Camera,
+    /// Where results go.
+    pub folder: Folder,
+    /// What all results depend on.
+    pub fingerprint: Fingerprint,
+    /// How long parts took.
+    pub seconds: BTreeMap<String, f64>,
+    bar: ProgressBar,
+    parts: Vec<String>,
+    done: BTreeSet<String>,
+    /// What was changed in the scene was said.
+    noted: AtomicBool,
+}
+
+/// Set by Ctrl-C.
+static STOP: AtomicBool = AtomicBool::new(false);
+
+/// From now on Ctrl-C ends the report after the frame under way, and a second one at once.
+pub fn stop_on_interrupt() {
+    // Fails where a handler is set already: then that one rules.
+    let _ = ctrlc::set_handler(|| {
+        if STOP.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+    });
+}
+
+impl Session {
+    /// With these parts of work to come, the page last.
+    pub fn new(request: Request, gpu: Gpu, scene: Scene, view: Camera, folder: Folder, parts: Vec<String>) -> Self {
+        let mut fingerprint = Fingerprint::of_scene(&scene);
+        let adapter = Adapter::of(&gpu);
+        fingerprint.text(&(view, request.width, request.height, request.anisotropy, request.textures, adapter));
+        // Hidden where stderr is no terminal.
+        let bar = ProgressBar::new_spinner();
+        if let Ok(style) = ProgressStyle::with_template("{spinner} [{elapsed_precise}] {prefix}{msg}, frame {pos}") {
+            bar.set_style(style);
+        }
+        bar.enable_steady_tick(Duration::from_millis(200));
+        Self {
+            request,
+            gpu,
+            scene,
+            view,
+            folder,
+            fingerprint,
+            seconds: BTreeMap::new(),
+            bar,
+            parts,
+            done: BTreeSet::new(),
+            noted: AtomicBool::new(false),
+        }
+    }
+
+    /// Runs a part of the report, times it and shows its name.
+    pub fn part<T>(
+        &mut self,
+        name: &str,
+        run: impl FnOnce(&mut Self) -> Result<T, ReportError>,
+    ) -> Result<T, ReportError> {
+        let start = Instant::now();
+        let place = self.parts.iter().position(|part| part == name).map_or(0, |i| i + 1);
+        self.bar.set_prefix(format!("{place}/{} ", self.parts.len()));
+        self.bar.set_message(name.to_owned());
+        self.bar.set_position(0);
+        let result = run(self);
+        *self.seconds.entry(name.to_owned()).or_default() += start.elapsed().as_secs_f64();
+        if result.is_ok() {
+            self.done.insert(name.to_owned());
+        }
+        result
+    }
+
+    /// Whether this part of work is to be done.
+    pub fn wants(&self, part: &str) -> bool {
+        self.parts.iter().any(|p| p == part)
+    }
+
+    /// The parts that were not finished, but for the entries, which have names of their own, and the page.
+    pub fn left(&self) -> impl Iterator<Item = String> {
+        let counts = |part: &&String| !part.starts_with("m = ") && *part != "page" && !self.done.contains(*part);
+        self.parts.iter().filter(counts).cloned()
+    }
+
+    /// The camera as the node takes it, at the request's size.
+    pub fn camera(&self) -> deferred_aa::Camera {
+        node_camera(&self.view, self.request.width, self.request.height)
+    }
+
+    /// A host of the scene as it is.
+    pub fn host(&self, m: u32) -> Result<Host, ReportError> {
+        let Request { width, height, .. } = self.request;
+        self.host_of(self.scene.clone(), m, (width, height))
+    }
+
+    /// A host of a variant of the scene, at another size.
+    pub fn host_of(&self, scene: Scene, m: u32, (width, height): (u32, u32)) -> Result<Host, ReportError> {
+        let Request { textures, stall, anisotropy, .. } = self.request;
+        let host = Host::new(self.gpu.clone(), scene, Options { width, height, m, textures, stall, anisotropy })?;
+        if !self.noted.swap(true, Ordering::Relaxed) {
+            host.scene.notices.iter().chain(&host.uploaded.notices).for_each(|notice| self.note(notice));
+        }
+        Ok(host)
+    }
+
+    /// A frame, unless the user wants no more.
+    pub fn frame(&self, host: &mut Host, settings: Settings) -> Result<Shot, ReportError> {
+        self.tick()?;
+        Ok(host.frame(&self.view, settings)?)
+    }
+
+    /// One step done; an error where the user wants no more.
+    pub fn tick(&self) -> Result<(), ReportError> {
+        self.bar.inc(1);
+        if STOP.load(Ordering::Relaxed) { Err(ReportError::Interrupted) } else { Ok(()) }
+    }
+
+    /// A line on stderr.
+    pub fn note(&self, text: &str) {
+        self.bar.suspend(|| eprintln!("note: {text}"));
+    }
+
+    /// The bar goes.
+    pub fn done(&self) {
+        self.bar.finish_and_clear();
+    }
+
+    /// No GPU: only ratios of times count, and sizes are kept small.
+    pub fn software(&self) -> bool {
+        self.gpu.adapter.get_info().device_type == wgpu::DeviceType::Cpu
+    }
+}

@@ -1,0 +1,372 @@
+//! `report` as its user meets it, on pictures of a few thousand pixels.
+
+use image::RgbImage;
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::sync::OnceLock;
+use std::time::SystemTime;
+
+/// A folder of this test's own, empty, gone at the end.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("report-{name}"));
+        let _ = std::fs::remove_dir_all(&path);
+        std::fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+
+    fn out(&self) -> PathBuf {
+        self.0.join("out")
+    }
+
+    fn json(&self) -> Value {
+        serde_json::from_slice(&std::fs::read(self.out().join("report.json")).unwrap()).unwrap()
+    }
+
+    fn image(&self, name: &str) -> RgbImage {
+        image::open(self.out().join(name)).unwrap_or_else(|e| panic!("{name}: {e}")).into_rgb8()
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+/// A tiny report with its truths in the folder itself.
+fn report(folder: &Folder, arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_deferred-aa-demo"));
+    command.args(["report", "--quick", "--frames", "1"]);
+    for (name, value) in [("--scene", "fence"), ("--size", "64x36"), ("--m", "2")] {
+        if !arguments.contains(&name) {
+            command.args([name, value]);
+        }
+    }
+    command.arg("--out").arg(folder.out()).arg("--cache").arg(folder.0.join("cache")).args(arguments);
+    command.output().unwrap()
+}
+
+#[track_caller]
+fn succeed(folder: &Folder, arguments: &[&str]) -> Value {
+    let output = report(folder, arguments);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    folder.json()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+#[track_caller]
+fn assert_refused(output: &Output, words: &[&str]) {
+    let (stdout, stderr) = (text(&output.stdout), text(&output.stderr));
+    assert_eq!(output.status.code(), Some(2), "{stdout}{stderr}");
+    assert_eq!((stdout.as_str(), stderr.lines().count()), ("", 1), "{stderr}");
+    for word in words {
+        assert!(stderr.contains(word), "{word:?} is not in {stderr:?}");
+    }
+}
+
+fn entries(report: &Value) -> &Vec<Value> {
+    report["entries"].as_array().unwrap()
+}
+
+fn find<'a>(report: &'a Value, id: &str) -> &'a Value {
+    entries(report).iter().find(|e| e["id"] == id).unwrap_or_else(|| panic!("no entry {id}"))
+}
+
+/// One whole report, for the tests that only read it.
+fn whole() -> &'static (Folder, Value) {
+    static WHOLE: OnceLock<(Folder, Value)> = OnceLock::new();
+    WHOLE.get_or_init(|| {
+        let folder = Folder::new("whole");
+        let report = succeed(&folder, &["--m", "1,2"]);
+        (folder, report)
+    })
+}
+
+#[test]
+fn every_field_and_file_is_there() {
+    let (folder, report) = whole();
+    for key in [
+        "version",
+        "command",
+        "scene",
+        "width",
+        "height",
+        "stall",
+        "quick",
+        "lights",
+        "triangles",
+        "adapter",
+        "truth",
+        "entries",
+        "oracles",
+        "frontier",
+        "executions",
+        "cost",
+        "goals",
+        "crops",
+        "unfinished",
+        "seconds",
+    ] {
+        assert!(report.get(key).is_some(), "report.json lacks {key}");
+    }
+    assert_eq!((&report["version"], &report["scene"], &report["quick"]), (&1.into(), &"fence".into(), &true.into()));
+    assert!(
+        report["command"].as_str().unwrap().starts_with("deferred-aa-demo report --quick --frames 1 --scene fence")
+    );
+    assert_eq!(report["truth"]["samples_per_pixel"], 256);
+    assert_eq!(report["unfinished"], Value::Array(Vec::new()));
+    for id in ["full-m2", "single-m2", "windowed-m2", "windowed-m2-x1-4", "windowed-m2-paper", "single-m1"] {
+        let entry = find(report, id);
+        for key in [
+            "label",
+            "role",
+            "preset",
+            "scene",
+            "width",
+            "height",
+            "m",
+            "technique",
+            "settings",
+            "stall",
+            "adapter",
+            "samples",
+            "rays",
+            "time_ms",
+            "memory_bytes",
+            "quality",
+            "passes",
+            "files",
+            "oracle",
+            "temporal",
+        ] {
+            assert!(entry.get(key).is_some(), "{id} lacks {key}");
+        }
+        for (kind, name) in entry["files"].as_object().unwrap() {
+            let maps = ["full-m2", "single-m2", "single-m1"].contains(&id) && kind == "samples";
+            assert_eq!(name.is_null(), maps, "{id}: {kind}");
+            if let Some(name) = name.as_str() {
+                let image = image::open(folder.out().join(name)).unwrap();
+                assert_eq!((image.width(), image.height()), (64, 36), "{name}");
+            }
+        }
+        assert_eq!(entry["quality"]["grid"].is_null(), id == "single-m1", "{id}");
+    }
+    assert_eq!(find(report, "windowed-m2-paper")["preset"], "paper");
+    assert_eq!(find(report, "full-m2")["quality"]["grid"]["psnr_db"], 200.0);
+    for name in ["truth.png", "truth.exr", "edges.png"] {
+        assert!(folder.out().join(name).is_file(), "{name}");
+    }
+}
+
+#[test]
+fn curves_and_executions_are_there() {
+    let (_, report) = whole();
+    let cost = &report["cost"];
+    let x = |curve: &str| -> Vec<f64> {
+        let points = cost[curve].as_array().unwrap();
+        points.iter().map(|p| p["x"].as_f64().unwrap()).collect()
+    };
+    assert_eq!(x("stall"), [1.0, 2.0, 4.0, 8.0, 16.0, 32.0]);
+    assert_eq!(x("m"), [1.0, 2.0, 3.0, 4.0]);
+    assert_eq!(x("lights"), [0.0, 1.0, 4.0, 16.0, 64.0]);
+    let (resolution, triangles) = (x("resolution"), x("triangles"));
+    assert!(resolution.is_sorted() && resolution.len() == 4 && resolution[3] == 64.0 * 36.0, "{resolution:?}");
+    let first = report["triangles"].as_f64().unwrap();
+    assert_eq!(triangles, [first, 4.0 * first, 16.0 * first]);
+    let executions = report["executions"].as_array().unwrap();
+    assert_eq!(executions[0]["execution"], "loop");
+    assert!(executions.len() == 6 && executions.iter().all(|e| e["m"] == 2));
+    assert_eq!(executions[1]["max_difference"], 0.0);
+    // Without timestamps there are no times to look at.
+    if find(report, "full-m2")["time_ms"].as_object().unwrap().is_empty() {
+        return;
+    }
+    assert_eq!(executions[0]["relative_to_loop"], 1.0);
+    for curve in ["stall", "resolution", "m", "lights", "triangles"] {
+        for point in cost[curve].as_array().unwrap() {
+            for time in ["full_ms", "single_ms", "windowed_ms", "full_total_ms", "windowed_total_ms"] {
+                assert!(point[time].as_f64().unwrap() > 0.0, "{curve}: {point}");
+            }
+        }
+        assert!(cost["fits"][curve]["full_ms"]["exponent"].is_f64(), "{curve}");
+    }
+    assert!(!report["frontier"]["time"].as_array().unwrap().is_empty());
+}
+
+/// From the 8-bit files alone.
+fn psnr(a: &RgbImage, b: &RgbImage) -> f64 {
+    let squares = a.as_raw().iter().zip(b.as_raw()).map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2));
+    let mse = squares.sum::<f64>() / a.as_raw().len() as f64;
+    if mse == 0.0 { 200.0 } else { 10.0 * (255.0 * 255.0 / mse).log10() }
+}
+
+#[test]
+fn psnr_is_that_of_the_written_files() {
+    let (folder, report) = whole();
+    let (truth, grid) = (folder.image("truth.png"), folder.image("full-m2.png"));
+    for entry in entries(report) {
+        let image = folder.image(entry["files"]["png"].as_str().unwrap());
+        let against = |name: &str| entry["quality"][name]["psnr_db"].as_f64();
+        assert!((psnr(&image, &truth) - against("truth").unwrap()).abs() < 1e-9, "{entry}");
+        if let Some(db) = against("grid") {
+            assert!((psnr(&image, &grid) - db).abs() < 1e-9, "{entry}");
+        }
+    }
+}
+
+#[test]
+fn no_entry_of_the_frontier_is_beaten() {
+    let (_, report) = whole();
+    let point =
+        |e: &Value| (e["samples"]["mean_k"].as_f64().unwrap(), -e["quality"]["truth"]["psnr_db"].as_f64().unwrap());
+    let frontier: Vec<_> =
+        report["frontier"]["samples"].as_array().unwrap().iter().map(|id| id.as_str().unwrap()).collect();
+    for entry in entries(report) {
+        let (k, error) = point(entry);
+        let beaten = entries(report).iter().map(point).any(|(a, b)| a <= k && b <= error && (a, b) != (k, error));
+        assert_eq!(frontier.contains(&entry["id"].as_str().unwrap()), !beaten, "{}", entry["id"]);
+    }
+}
+
+#[test]
+fn the_page_holds_the_report_and_its_pictures() {
+    let (folder, report) = whole();
+    let page = std::fs::read_to_string(folder.out().join("report.html")).unwrap();
+    let script = |id: &str| -> Value {
+        let (_, rest) = page.split_once(&format!("<script type=\"application/json\" id=\"{id}\">")).unwrap();
+        serde_json::from_str(rest.split_once("</script>").unwrap().0).unwrap()
+    };
+    assert!(&script("report") == report);
+    let images = script("images");
+    assert!(images["truth"].as_str().unwrap().starts_with("data:image/jpeg;base64,"));
+    let shown = images["entries"].as_object().unwrap();
+    for id in ["full-m2", "windowed-m2", "windowed-m2-paper", "single-m1"] {
+        assert!(shown[id]["image"].as_str().unwrap().starts_with("data:image/jpeg;base64,"), "{id}");
+        assert_eq!(shown[id]["samples"].is_null(), !id.starts_with("windowed"), "{id}");
+    }
+    let crops = images["crops"].as_array().unwrap();
+    assert_eq!(crops.len(), report["crops"].as_array().unwrap().len());
+    for crop in crops {
+        assert_eq!(crop["entries"].as_object().unwrap().len(), shown.len());
+        assert!(crop["truth"].as_str().unwrap().starts_with("data:image/png;base64,"));
+    }
+    for marker in ["__CSS__", "__JS__", "__REPORT_JSON__", "__IMAGES_JSON__"] {
+        assert!(!page.contains(marker), "{marker}");
+    }
+}
+
+/// When each file of what is finished was written.
+fn finished(folder: &Folder) -> BTreeMap<PathBuf, SystemTime> {
+    let files = ["entries", "parts"].iter().flat_map(|kind| std::fs::read_dir(folder.out().join(kind)).unwrap());
+    files.map(|f| f.unwrap()).map(|f| (f.path(), f.metadata().unwrap().modified().unwrap())).collect()
+}
+
+#[test]
+fn resuming_measures_what_is_missing_and_nothing_else() {
+    let folder = Folder::new("resume");
+    let few = ["--scene", "cornell", "--techniques", "single,windowed"];
+    let with = |more: &[&'static str]| succeed(&folder, &[&few[..], more].concat());
+    let first = with(&[]);
+    assert_eq!(first["truth"]["cached"], false);
+    let all = finished(&folder);
+    let second = with(&["--resume"]);
+    assert_eq!(finished(&folder), all, "nothing was missing");
+    assert_eq!(second["truth"]["cached"], true);
+    for part in ["entries", "oracles", "executions", "temporal", "frontier", "crops"] {
+        assert!(second[part] == first[part], "{part} has changed");
+    }
+
+    // As after an interruption.
+    let out = folder.out();
+    for name in ["entries/windowed-m2.json", "parts/executions.json", "report.json", "report.html", "single-m2.png"] {
+        std::fs::remove_file(out.join(name)).unwrap();
+    }
+    let third = with(&["--resume"]);
+    let again = finished(&folder);
+    let changed: Vec<_> = again
+        .iter()
+        .filter(|(path, time)| all.get(*path) != Some(*time))
+        .map(|(path, _)| path.file_stem().unwrap().to_str().unwrap())
+        .collect();
+    assert_eq!(changed, ["single-m2", "windowed-m2", "executions"]);
+    let ids = |report: &Value| entries(report).iter().map(|e| e["id"].clone()).collect::<Vec<_>>();
+    assert_eq!(ids(&third), ids(&first), "in the order of the plan");
+    assert_eq!(find(&third, "windowed-m2")["quality"], find(&first, "windowed-m2")["quality"]);
+
+    // Other options: other results, but the same truth.
+    let other = with(&["--resume", "--stall", "2"]);
+    assert_eq!(other["truth"]["cached"], true);
+    assert!(
+        finished(&folder)
+            .iter()
+            .filter(|(path, _)| path.starts_with(out.join("entries")))
+            .all(|(path, time)| again[path] != *time)
+    );
+    let unlike = with(&["--resume", "--stall", "2", "--camera", "0,0,3,0.1,0,-1"]);
+    assert_eq!(unlike["truth"]["cached"], false);
+}
+
+#[test]
+fn without_resume_everything_is_measured_again() {
+    let folder = Folder::new("again");
+    let few = ["--scene", "cornell", "--techniques", "single"];
+    succeed(&folder, &few);
+    let first = finished(&folder);
+    succeed(&folder, &few);
+    assert!(finished(&folder).iter().all(|(path, time)| first[path] != *time));
+}
+
+#[test]
+fn a_truth_that_has_changed_on_disk_is_rendered_anew() {
+    let folder = Folder::new("cache");
+    let few = ["--scene", "cornell", "--techniques", "single", "--m", "1"];
+    succeed(&folder, &few);
+    let truth = folder.image("truth.png");
+    let cached = std::fs::read_dir(folder.0.join("cache")).unwrap().map(|f| f.unwrap().path());
+    let exr = cached.filter(|p| p.extension().is_some_and(|e| e == "exr")).collect::<Vec<_>>();
+    assert_eq!(exr.len(), 1);
+    let mut bytes = std::fs::read(&exr[0]).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 0x40;
+    std::fs::write(&exr[0], &bytes).unwrap();
+    let output = report(&folder, &few);
+    assert!(output.status.success());
+    assert!(text(&output.stderr).contains("rendered anew"), "{}", text(&output.stderr));
+    assert_eq!(folder.json()["truth"]["cached"], false);
+    assert_eq!(folder.image("truth.png"), truth);
+    assert_eq!(succeed(&folder, &few)["truth"]["cached"], true, "and it is whole again");
+}
+
+#[test]
+fn places_that_can_not_be_written_are_refused_before_the_work() {
+    let folder = Folder::new("places");
+    std::fs::write(folder.out(), b"mine").unwrap();
+    assert_refused(&report(&folder, &[]), &["--out", "out"]);
+    assert_eq!(std::fs::read(folder.out()).unwrap(), b"mine");
+    assert!(!folder.0.join("cache").exists(), "no truth was rendered");
+    std::fs::remove_file(folder.out()).unwrap();
+    std::fs::create_dir(folder.out()).unwrap();
+    std::fs::write(folder.out().join("entries"), b"mine").unwrap();
+    assert_refused(&report(&folder, &[]), &["entries", "--out"]);
+    assert!(!folder.0.join("cache").exists(), "no truth was rendered");
+}
+
+#[test]
+fn bad_input_is_refused() {
+    let folder = Folder::new("bad");
+    assert_refused(&report(&folder, &["--techniques", "full,magic"]), &["--techniques", "'magic'", "windowed"]);
+    assert_refused(&report(&folder, &["--scene", "fense"]), &["'fense'", "fence"]);
+    assert_refused(&report(&folder, &["--set", "windowed.depth=5x"]), &["--set windowed.depth=5x"]);
+    assert_refused(&report(&folder, &["--m", "2,9"]), &["--m", "9 is not in 1 to 8"]);
+    assert_refused(&report(&folder, &["--m", "1", "--techniques", "full"]), &["--m", "nothing to measure"]);
+    assert_refused(&report(&folder, &["--size", "100000x100000"]), &["--out", "MB"]);
+    assert!(!Path::new(&folder.out().join("report.json")).exists());
+}

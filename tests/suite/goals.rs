@@ -1,0 +1,123 @@
+//! Settings given as a goal: the audit measures what the twin does, and an error is kept from the first frame on.
+
+use crate::harness::{Rig, SHOW_USER, Sample, noise, rgba8};
+use deferred_aa::glam::Vec3;
+use deferred_aa::reference::audit;
+use deferred_aa::{DeferredAa, Execution, Goal, GoalState, Settings, Technique, TextureTier};
+use deferred_aa_demo::gpu::{self, Gpu};
+use deferred_aa_demo::host::{self, Host, Options};
+use deferred_aa_demo::scene::builtin;
+
+/// Edges of objects and noise of several strengths, and some sky.
+fn busy(x: u32, y: u32) -> Sample {
+    let object = 1 + x / 23 + y / 31 * 5;
+    if object % 7 == 3 {
+        return Sample::SKY;
+    }
+    let strength = noise(object + 9);
+    let grain = |seed: u32| 0.5 + strength * (noise(x / 2 + y / 3 * 977 + seed * 7919) - 0.5);
+    Sample {
+        depth: 0.02 + noise(object) * 0.2,
+        normal: Vec3::new(noise(object), noise(object + 1), 1.0).normalize(),
+        object,
+        user: rgba8(grain(0), grain(1), grain(2), 1.0),
+        ..Default::default()
+    }
+}
+
+fn rms(image: &[[f32; 4]], full: &[[f32; 4]], exposure: f32) -> f64 {
+    let wide = |c: &[f32; 4]| c.map(f64::from);
+    let squared = image.iter().zip(full).map(|(a, b)| audit::squared_error(wide(a), wide(b), f64::from(exposure)));
+    (squared.sum::<f64>() / image.len() as f64).sqrt()
+}
+
+#[test]
+fn the_audit_measures_what_the_twin_does() {
+    for (m, size, exposure) in [(2, [97, 54], 1.0), (4, [50, 41], 3.0)] {
+        let mut rig = Rig::new(m, size[0], size[1], SHOW_USER);
+        rig.exposure = exposure;
+        rig.fill(busy);
+        let full = rig.run(Settings { technique: Technique::Full, ..Default::default() });
+        for execution in [Execution::Loop, Execution::Tiled, Execution::MaxFiltered] {
+            let settings = Settings { goal: Some(Goal::Error(0.02)), execution, ..Default::default() };
+            let mut compared = 0;
+            let mut output = rig.run(settings);
+            for _ in 0..400 {
+                // What a frame reports was measured up to it; its image has the same effort.
+                let progress = output.statistics.goal.expect("a goal");
+                let next = rig.run(settings);
+                let later = next.statistics.goal.expect("a goal");
+                if progress.audited == 1.0 {
+                    let (told, found) =
+                        (f64::from(progress.error.expect("an error")), rms(&output.image, &full.image, exposure));
+                    assert!((told / found - 1.0).abs() < 1e-3, "m = {m} {execution:?}: {told} {found}");
+                    compared += 1;
+                }
+                assert!(rms(&next.image, &full.image, exposure) <= 0.022, "m = {m} {execution:?}: {later:?}");
+                output = next;
+            }
+            assert!(compared > 10, "m = {m} {execution:?}: {:?}", output.statistics.goal);
+            let progress = output.statistics.goal.expect("a goal");
+            assert_eq!(progress.state, GoalState::Met, "{progress:?}");
+            assert!(output.statistics.ratio < 0.9, "m = {m} {execution:?}: nothing left out");
+        }
+    }
+}
+
+#[test]
+fn an_error_is_kept_on_every_scene() {
+    for name in builtin::NAMES {
+        let scene = builtin::builtin(name).expect("built in");
+        let camera = scene.default_camera();
+        let adapter = gpu::choose(None).expect("tests need an adapter");
+        let gpu = Gpu::new(adapter, &host::descriptor(4, TextureTier::Arrays)).expect("a device");
+        let options = Options { width: 64, height: 36, m: 4, textures: TextureTier::Arrays, stall: 1, anisotropy: 16 };
+        let mut host = Host::new(gpu, scene, options).expect("a host");
+        host.frame(&camera, Settings { technique: Technique::Full, ..Default::default() }).expect("a frame");
+        let full = host.picture();
+        for target in [0.004, 0.016] {
+            let settings = Settings { goal: Some(Goal::Error(target)), ..Default::default() };
+            let mut samples = (0, u64::MAX);
+            for frame in 0..48 {
+                let shot = host.frame(&camera, settings).expect("a frame");
+                let error = rms(&host.picture().rgba, &full.rgba, 1.0);
+                assert!(
+                    error <= 1.1 * f64::from(target),
+                    "{name} {target}, frame {frame}: {error} {:?}",
+                    shot.statistics.goal
+                );
+                samples = (samples.0.max(shot.statistics.shaded), samples.1.min(shot.statistics.shaded));
+            }
+            assert!(samples.1 < samples.0 || name == "empty", "{name} {target}: no sample was left out");
+            // Without a goal again: the settings as they stand.
+            host.frame(&camera, Settings { goal: None, ..settings }).expect("a frame");
+        }
+    }
+}
+
+#[test]
+fn only_an_error_is_audited() {
+    let names =
+        |goal| DeferredAa::passes(&Settings { goal, ..Default::default() }).map(|p| p.info.name).collect::<Vec<_>>();
+    let plain = names(None);
+    assert_eq!(names(Some(Goal::Time(8.0))), plain);
+    assert_eq!(names(Some(Goal::Error(0.01))), [&plain[..], &["audit"]].concat());
+    let single = Settings { technique: Technique::Single, goal: Some(Goal::Error(0.01)), ..Default::default() };
+    assert!(DeferredAa::passes(&single).all(|p| p.info.name != "audit"));
+}
+
+/// The search rests: after it has settled, a still camera gives the same bits and the same samples.
+#[test]
+fn a_goal_that_is_met_rests() {
+    let mut rig = Rig::new(4, 64, 48, SHOW_USER);
+    rig.fill(busy);
+    let settings = Settings { goal: Some(Goal::Error(0.02)), ..Default::default() };
+    for _ in 0..400 {
+        rig.run(settings);
+    }
+    let rested = rig.run(settings);
+    for _ in 0..70 {
+        let again = rig.run(settings);
+        assert_eq!((again.image, again.plan), (rested.image.clone(), rested.plan.clone()));
+    }
+}
