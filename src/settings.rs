@@ -303,7 +303,7 @@ pub enum Preset {
     /// m = 3: 45.2 at 36.9; at m = 2: 43.6 at 50.6.
     #[default]
     Balanced,
-    /// Sponza 49.1 dB at 50.8 % of the samples, QATRIUM.
+    /// Sponza 49.1 dB at 50.8 % of the samples, atrium 53.2 at 40.5, checker 50.4 at 34.9, fence 56.3 at 30.7.
     Quality,
 }
 

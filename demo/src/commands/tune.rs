@@ -157,7 +157,14 @@ impl Tune {
             write_json(&path, &record)?;
         }
         if holdout {
-            hold_out(&mut subjects, &mut record.presets, &bar)?;
+            let mut start = START;
+            for i in 0..record.presets.len() {
+                let preset = &mut record.presets[i];
+                hold_out(&mut subjects, preset, start, &bar)?;
+                start = preset.windowed;
+                record.evaluated = evaluated(&subjects);
+                write_json(&path, &record)?;
+            }
         }
         bar.finish_and_clear();
         measure_times(&mut subjects, &mut record.presets)?;
@@ -223,17 +230,18 @@ fn search(
 }
 
 /// Searches again without each scene in turn, and tries on it what was found without it.
-fn hold_out(subjects: &mut [Subject], presets: &mut [Preset], bar: &ProgressBar) -> Result<(), SubjectError> {
-    let mut start = START;
-    for preset in presets {
-        for i in 0..subjects.len() {
-            let blind = search(subjects, Some(i), start, preset.task, bar, preset.name)?;
-            let figures = subjects[i].figures(blind.windowed)?;
-            if let Some(scene) = preset.scenes.get_mut(i) {
-                scene.held_out = Some(figures);
-            }
+fn hold_out(
+    subjects: &mut [Subject],
+    preset: &mut Preset,
+    start: Windowed,
+    bar: &ProgressBar,
+) -> Result<(), SubjectError> {
+    for i in 0..subjects.len() {
+        let blind = search(subjects, Some(i), start, preset.task, bar, preset.name)?;
+        let figures = subjects[i].figures(blind.windowed)?;
+        if let Some(scene) = preset.scenes.get_mut(i) {
+            scene.held_out = Some(figures);
         }
-        start = preset.windowed;
     }
     Ok(())
 }
