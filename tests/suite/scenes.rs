@@ -868,3 +868,17 @@ fn damaged_helmet() {
 fn tree_cards() {
     real("tree_cards");
 }
+
+/// More samples than a batch of `Packed` holds, so that windows of several batches meet in one image.
+#[test]
+fn batches_meet() {
+    let scene = builtin::builtin("checker").unwrap();
+    let camera = scene.default_camera();
+    let mut host = host(scene, TextureTier::Arrays, 4, [900, 640]);
+    let windowed = deferred_aa::Windowed { least_samples: 16.0, ..Default::default() };
+    let settings = Settings { windowed, execution: Execution::Loop, ..Default::default() };
+    let (looped, counted) = shot(&mut host, &camera, settings);
+    assert!(counted.shaded > (2 << 22) + 900 * 640, "{} samples", counted.shaded);
+    let (packed, _) = shot(&mut host, &camera, Settings { execution: Execution::Packed, ..settings });
+    assert!(packed.rgba == looped.rgba);
+}

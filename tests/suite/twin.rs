@@ -137,23 +137,3 @@ fn the_max_filter_is_the_twins() {
         assert!(filtered.statistics.shaded > looped.statistics.shaded);
     }
 }
-
-/// More samples than a batch of `Packed` holds.
-#[test]
-fn batches_meet() {
-    let [width, height] = [1030, 700];
-    let mut rig = Rig::new(4, width, height, SHOW_USER);
-    rig.fill(|x, y| Sample { user: rgba8(noise(x / 3 + y * 977), noise(y), noise(x), 1.0), ..Default::default() });
-    let all = Windowed {
-        identity_samples: 0.0,
-        luminance_scale: 1e6,
-        luminance_min: 0.0,
-        luminance_edge: 0.0,
-        ..Default::default()
-    };
-    let settings = Settings { windowed: all, ..Default::default() };
-    let looped = rig.run(Settings { execution: Execution::Loop, ..settings });
-    assert!(looped.statistics.shaded > 2 << 22, "{} samples", looped.statistics.shaded);
-    let packed = rig.run(Settings { execution: Execution::Packed, ..settings });
-    assert!(packed.image == looped.image);
-}
