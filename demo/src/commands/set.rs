@@ -81,7 +81,7 @@ mod tests {
             ("windowed.depth_scale=-1", "must lie in 0 to"),
             ("windowed.depth_scale=NaN", "invalid type"),
             ("windowed.depths=1", "did you mean windowed.depth? choose centred, depth,"),
-            ("depht_scale=1", "did you mean windowed.depth_scale? choose execution, technique"),
+            ("depht_scale=1", "did you mean windowed.depth_scale? choose execution, goal, technique"),
             ("windwed.footprint=1", "no setting 'windwed': did you mean windowed.footprint? choose"),
             ("windwed=1", "did you mean windowed? choose"),
             ("windowed.magic=1", "no setting 'magic': choose centred,"),

@@ -81,7 +81,7 @@ pub fn part(curve: &str) -> String {
 const MOST_TRIANGLES: u64 = 4_000_000;
 
 /// Most triangles that a software driver draws in a frame, where it is not the scene's own number.
-const MOST_DRAWN: u64 = 1_000_000;
+const MOST_DRAWN: u64 = 1_500_000;
 
 /// All curves that the session wants, with Windowed as the request has it. What is finished is in `so_far`.
 pub fn cost(session: &mut Session, so_far: &mut Option<Cost>) -> Result<(), ReportError> {
