@@ -10,22 +10,6 @@ override DAA_ROWS: u32 = 1u;
 /// Samples of a batch, less those of its last tile that reach beyond.
 override DAA_BATCH: u32 = 1u;
 
-const DAA_NO_ENTRY: u32 = 0xffffffffu;
-
-/// One dispatch's part of the list. Work 0 is all of it, work r + 1 is row r or batch r. 256 bytes, so that a dynamic offset
-/// selects one.
-struct DaaWork {
-    begin: u32,
-    end: u32,
-    /// Entries of the row, without padding.
-    count: u32,
-    padding: u32,
-    /// Workgroups of 64, for an indirect dispatch.
-    groups_x: u32,
-    groups_y: u32,
-    @size(232) groups_z: u32,
-}
-
 @group(3) @binding(0) var<storage, read> daa_plan: array<u32>;
 /// Of row r and tile t at r · tiles + t: entries of the tile in the row; after the scan, entries of the row before the tile's.
 @group(3) @binding(1) var<storage, read_write> daa_rows: array<u32>;

@@ -1,17 +1,4 @@
-// listed: `shade` for the executions that work on a list of pixels or of samples. Joined with shade.wgsl.
-
-const DAA_NO_ENTRY: u32 = 0xffffffffu;
-
-/// One dispatch's part of the list, as list.wgsl wrote it.
-struct DaaWork {
-    begin: u32,
-    end: u32,
-    count: u32,
-    padding: u32,
-    groups_x: u32,
-    groups_y: u32,
-    @size(232) groups_z: u32,
-}
+// listed: `shade` for the executions that work on a list of pixels or of samples. Joined with shade.wgsl and work.wgsl.
 
 @group(3) @binding(4) var<storage, read> daa_list: array<u32>;
 @group(3) @binding(5) var<storage, read> daa_work: DaaWork;

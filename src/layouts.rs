@@ -13,7 +13,7 @@ use compare::{constant, parse, rust_layout, wgsl_layout};
 use wgpu::naga;
 
 const PLAIN: [(&str, &str); 6] = [
-    ("list", include_str!("../shaders/list.wgsl")),
+    ("list", concat!(include_str!("../shaders/work.wgsl"), "\n", include_str!("../shaders/list.wgsl"))),
     ("max_filter", include_str!("../shaders/max_filter.wgsl")),
     ("metrics", include_str!("../shaders/metrics.wgsl")),
     ("plan", include_str!("../shaders/plan.wgsl")),
@@ -24,7 +24,16 @@ const SHADING: [(&str, &str); 4] = [
     ("first", include_str!("../shaders/first.wgsl")),
     ("shade", include_str!("../shaders/shade.wgsl")),
     ("audit", include_str!("../shaders/audit.wgsl")),
-    ("listed", concat!(include_str!("../shaders/shade.wgsl"), "\n", include_str!("../shaders/listed.wgsl"))),
+    (
+        "listed",
+        concat!(
+            include_str!("../shaders/work.wgsl"),
+            "\n",
+            include_str!("../shaders/shade.wgsl"),
+            "\n",
+            include_str!("../shaders/listed.wgsl")
+        ),
+    ),
 ];
 const TIERS: [TextureTier; 3] = [TextureTier::None, TextureTier::Arrays, TextureTier::Bindings];
 

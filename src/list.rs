@@ -7,6 +7,8 @@ use crate::wgsl;
 
 pub(crate) const INFO: PassInfo = PassInfo { name: "list", reads: &[Resource::Plan], writes: &[Resource::List] };
 
+const WGSL: &str = concat!(include_str!("../shaders/work.wgsl"), "\n", include_str!("../shaders/list.wgsl"));
+
 /// Counts, scan, and the list itself.
 #[derive(Debug)]
 struct Pipelines {
@@ -62,7 +64,7 @@ impl Lists {
             };
             let constants = [("DAA_ROWS", f64::from(kind.rows(build.m))), ("DAA_BATCH", BATCH as f64)];
             let pipeline = |entry| {
-                let source = wgsl::join_plain(include_str!("../shaders/list.wgsl"));
+                let source = wgsl::join_plain(WGSL);
                 build.compute_with(INFO.name, source, entry, &self.layout, false, &constants)
             };
             Ok(Pipelines { count: pipeline(count)?, scan: pipeline("daa_list_scan")?, list: pipeline(list)? })

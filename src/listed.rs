@@ -137,5 +137,11 @@ impl Listed {
 }
 
 fn source(build: &Build) -> String {
-    build.host.join(concat!(include_str!("../shaders/shade.wgsl"), "\n", include_str!("../shaders/listed.wgsl")))
+    build.host.join(concat!(
+        include_str!("../shaders/work.wgsl"),
+        "\n",
+        include_str!("../shaders/shade.wgsl"),
+        "\n",
+        include_str!("../shaders/listed.wgsl")
+    ))
 }

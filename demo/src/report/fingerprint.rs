@@ -8,7 +8,7 @@ use sha2::{Digest as _, Sha256};
 pub struct Fingerprint(Sha256);
 
 /// All shader code that has a part in an image. The library's own too: a result of other code is another result.
-const CODE: [&str; 20] = [
+const CODE: [&str; 21] = [
     crate::host::SHADING_WGSL,
     include_str!("../raster.wgsl"),
     include_str!("../../../shaders/audit.wgsl"),
@@ -28,6 +28,7 @@ const CODE: [&str; 20] = [
     include_str!("../../../shaders/shade.wgsl"),
     include_str!("../../../shaders/table_arrays.wgsl"),
     include_str!("../../../shaders/table_bindings.wgsl"),
+    include_str!("../../../shaders/work.wgsl"),
     env!("CARGO_PKG_VERSION"),
 ];
 
