@@ -83,8 +83,8 @@ fn daa_list_scan(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_
 fn daa_set_work(index: u32, begin: u32, end: u32) {
     daa_work[index].begin = begin;
     daa_work[index].end = end;
-    // Within 65 535 a dimension.
-    let groups = (end - begin + 63u) / 64u;
+    // Whole strides (`daa_shade_pixels`), within 65 535 a dimension.
+    let groups = (((end - begin + 63u) / 64u) + DAA_STRIDES - 1u) / DAA_STRIDES * DAA_STRIDES;
     let x = min(groups, 32768u);
     daa_work[index].groups_x = x;
     daa_work[index].groups_y = (groups + max(x, 1u) - 1u) / max(x, 1u);

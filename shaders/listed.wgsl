@@ -19,15 +19,18 @@ fn daa_slot_pixel(slot: u32) -> vec2u {
 }
 
 /// `Bucketed`, where all pixels of a dispatch have the same k (the stencil variant of section 4.2), and `Sorted`, where those
-/// of a workgroup have. Sorted from both ends in turn: a driver that cuts a dispatch into fixed parts gets equal ones.
+/// of a workgroup have. The list is drawn in strides, each of which goes from its greatest k to its least: a driver that
+/// cuts a dispatch into fixed parts gets equal ones, and the last workgroups to start are short.
 @compute @workgroup_size(64)
 fn daa_shade_pixels(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
-    let part = daa_first_entry(group) - daa_work.begin;
-    if part >= daa_work.end - daa_work.begin {
+    let index = group.y * daa_work.groups_x + group.x;
+    let groups = (daa_work.end - daa_work.begin) / 64u;
+    let stride = max((groups + DAA_STRIDES - 1u) / DAA_STRIDES, 1u);
+    let drawn = index % stride * DAA_STRIDES + index / stride;
+    if index >= stride * DAA_STRIDES || drawn >= groups {
         return;
     }
-    let from_end = (part & 64u) != 0u;
-    let begin = select(daa_work.begin + ((part >> 7u) << 6u), daa_work.end - 64u - ((part >> 7u) << 6u), from_end);
+    let begin = daa_work.begin + drawn * 64u;
     // The first entry is never padding.
     let k = daa_plan[daa_list[begin]] & 0xffu;
     let slot = daa_list[begin + lane];

@@ -3,6 +3,9 @@
 /// Fills a row up to whole workgroups.
 const DAA_NO_ENTRY: u32 = 0xffffffffu;
 
+/// Strides in which a list of pixels is drawn.
+const DAA_STRIDES: u32 = 16u;
+
 /// One dispatch's part of the list. Work 0 is all of it, work r + 1 is row r or batch r. 256 bytes, so that a dynamic offset
 /// selects one.
 struct DaaWork {

@@ -57,12 +57,13 @@ pub enum Execution {
     /// Each pixel shades its own samples in a loop (Holländer et al. 2013, section 4.2). Lanes wait for the pixel with
     /// the most samples.
     Loop,
-    /// A workgroup shades the samples of an 8 × 8 tile end to end, every lane busy.
-    #[default]
+    /// A workgroup shades the samples of an 8 × 8 tile end to end, every lane busy. Lists nothing, so it needs no memory.
     Tiled,
     /// One dispatch for each k, over the pixels that have it, as Holländer et al.'s stencil variant draws one quad for each.
     Bucketed,
-    /// The pixels in the order of their k, in one dispatch (section 4.2, after Hoberock et al. 2009).
+    /// The pixels in the order of their k, in one dispatch, every lane of a workgroup as long as any (section 4.2, after
+    /// Hoberock et al. 2009). The default: nothing measured is more than noise ahead of it at any cost of shading.
+    #[default]
     Sorted,
     /// [`Loop`](Self::Loop) after every pixel took the greatest k of its block of 6 × 6 pixels (section 4.2): more samples,
     /// never fewer, so the image is another one.
