@@ -252,7 +252,7 @@ fn assert_stats(stats: &Value, technique: &str) {
     let expected: &[&str] = match technique {
         "single" => &["first", "resolve"],
         "full" => &["shade", "resolve"],
-        _ => &["first", "metrics", "plan", "shade", "resolve"],
+        _ => &["first", "metrics", "plan", "list", "shade", "resolve"],
     };
     assert_eq!(passes, expected);
     let times = place("time_ms").as_object().unwrap();
