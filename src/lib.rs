@@ -48,6 +48,7 @@ mod metrics;
 mod node;
 mod pipeline;
 mod plan;
+pub mod rays;
 #[cfg(feature = "reference")]
 pub mod reference;
 mod requirements;

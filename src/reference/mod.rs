@@ -9,5 +9,6 @@ pub mod max_filter;
 pub mod metrics;
 pub mod octahedral;
 pub mod plan;
+pub mod rays;
 pub mod resolve;
 pub mod window;

@@ -6,6 +6,7 @@ mod example;
 mod goals;
 mod harness;
 mod numerics;
+mod rays;
 mod scenes;
 mod shading_errors;
 mod textures;

@@ -1,0 +1,233 @@
+//! The bottom level: one mesh's triangles in a wide, compressed BVH (Ylitie, Karras, Laine 2017), built by `obvhs`.
+
+use super::{RayError, STACK};
+use glam::{DVec3, Vec3, Vec3A};
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::node::Bvh2Node;
+use obvhs::bvh2::{Bvh2, reinsertion::ReinsertionOptimizer};
+use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
+use obvhs::cwbvh::node::CwBvhNode;
+use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
+
+/// Coordinates of vertices lie within ± this, so that no product in a ray's way overflows.
+pub const MAX_COORDINATE: f32 = 1e12;
+
+/// Triangles that rays may meet, in their own space.
+#[derive(Debug, Clone, Copy)]
+pub struct Mesh<'a> {
+    /// What errors call it.
+    pub name: &'a str,
+    /// Vertices.
+    pub positions: &'a [[f32; 3]],
+    /// Three a triangle.
+    pub indices: &'a [u32],
+}
+
+/// A mesh ready for rays: built once, on any thread, and shared by all of its instances.
+#[derive(Debug, Clone)]
+pub struct BottomLevel {
+    pub(super) name: String,
+    /// Indices of children and triangles count from this mesh's own first.
+    pub(super) nodes: Vec<CwBvhNode>,
+    /// In the order of the leaves: three vertices and the triangle's place in the mesh.
+    pub(super) triangles: Vec<[u32; 4]>,
+    pub(super) positions: Vec<[f32; 3]>,
+    pub(super) bounds: Option<[Vec3; 2]>,
+    dropped: u32,
+}
+
+impl BottomLevel {
+    /// Checks and builds. Triangles without an area are left out and counted: no ray can hit them.
+    pub fn build(mesh: &Mesh<'_>) -> Result<Self, RayError> {
+        let name = mesh.name;
+        let vertices = mesh.positions.len();
+        let in_range = |p: &[f32; 3]| p.iter().all(|c| c.abs() <= MAX_COORDINATE);
+        if let Some(vertex) = mesh.positions.iter().position(|p| !in_range(p)) {
+            return Err(RayError::Vertex { mesh: name.into(), vertex, position: mesh.positions[vertex] });
+        }
+        if !mesh.indices.len().is_multiple_of(3) {
+            return Err(RayError::Indices { mesh: name.into(), indices: mesh.indices.len() });
+        }
+        if let Some(at) = mesh.indices.iter().position(|&i| i as usize >= vertices) {
+            return Err(RayError::Index { mesh: name.into(), at, index: mesh.indices[at], vertices });
+        }
+        let all = mesh.indices.as_chunks::<3>().0;
+        let corners = |t: &[u32; 3]| t.map(|i| mesh.positions[i as usize]);
+        let kept: Vec<u32> = (0..all.len() as u32).filter(|&i| has_area(corners(&all[i as usize]))).collect();
+        let boxes: Vec<Aabb> =
+            kept.iter().map(|&i| Aabb::from_points(&corners(&all[i as usize]).map(Vec3A::from))).collect();
+
+        let (nodes, order) = wide(&boxes, Quality::Static);
+        let triangles = order.iter().map(|&i| {
+            let id = kept[i as usize];
+            let [a, b, c] = all[id as usize];
+            [a, b, c, id]
+        });
+        let bounds = (!boxes.is_empty()).then(|| {
+            let total = boxes.iter().fold(Aabb::INVALID, |total, b| union(&total, b));
+            [total.min.into(), total.max.into()]
+        });
+        Ok(Self {
+            name: name.into(),
+            nodes,
+            triangles: triangles.collect(),
+            positions: mesh.positions.to_vec(),
+            bounds,
+            dropped: (all.len() - kept.len()) as u32,
+        })
+    }
+
+    /// Triangles that were left out, since they have no area.
+    pub fn dropped(&self) -> u32 {
+        self.dropped
+    }
+
+    /// Triangles that rays may meet.
+    pub fn triangles(&self) -> u32 {
+        self.triangles.len() as u32
+    }
+
+    /// Bytes on the GPU of nodes and triangles, without the vertices.
+    pub fn bytes(&self) -> u64 {
+        (size_of_val(&self.nodes[..]) + size_of_val(&self.triangles[..])) as u64
+    }
+}
+
+/// How a tree is built.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Quality {
+    /// Once, over triangles.
+    Static,
+    /// In each frame, over instances.
+    Dynamic,
+}
+
+impl Quality {
+    /// Most levels of nodes. A balanced tree over n boxes has at most ⌈log₂ n⌉ + 1, and n is below 2³² here, 2²⁴ there.
+    pub const fn levels(self) -> u32 {
+        match self {
+            Self::Static => 33,
+            Self::Dynamic => 25,
+        }
+    }
+}
+
+// Of either tree each level leaves at most one group on the stack, and an instance that is entered two more.
+const _: () = assert!(Quality::Static.levels() + Quality::Dynamic.levels() + 2 <= STACK);
+
+/// Nodes, root first, and the boxes in the order of the leaves.
+pub(super) fn wide(boxes: &[Aabb], quality: Quality) -> (Vec<CwBvhNode>, Vec<u32>) {
+    if boxes.is_empty() {
+        return Default::default();
+    }
+    let (distance, threshold) = match quality {
+        Quality::Static => (PlocSearchDistance::Low, 2),
+        Quality::Dynamic => (PlocSearchDistance::Minimum, 0),
+    };
+    let indices = (0..boxes.len() as u32).collect();
+    let mut binary =
+        PlocBuilder::with_capacity(boxes.len()).build(distance, boxes, indices, SortPrecision::U64, threshold);
+    if quality == Quality::Static {
+        ReinsertionOptimizer::default().run(&mut binary, 0.02, None);
+    }
+    let mut wide = bvh2_to_cwbvh(&binary, 3, true, false);
+    // Boxes that shrink by half each, say, make a tree as deep as they are many.
+    if levels(&wide.nodes) > quality.levels() {
+        wide = bvh2_to_cwbvh(&balanced(boxes), 3, true, false);
+    }
+    (wide.nodes, wide.primitive_indices)
+}
+
+/// Levels of nodes, the root's included. A parent lies before its children.
+fn levels(nodes: &[CwBvhNode]) -> u32 {
+    let mut levels = vec![1; nodes.len()];
+    for (i, node) in nodes.iter().enumerate() {
+        let first = node.child_base_idx as usize;
+        for child in first..first + node.imask.count_ones() as usize {
+            levels[child] = levels[i] + 1;
+        }
+    }
+    levels.into_iter().max().unwrap_or(0)
+}
+
+/// A binary tree that halves the boxes along their widest axis.
+fn balanced(boxes: &[Aabb]) -> Bvh2 {
+    let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
+    let around = |part: &[u32]| part.iter().fold(Aabb::INVALID, |sum, &i| union(&sum, &boxes[i as usize]));
+    let mut nodes = vec![Bvh2Node::new(around(&order), 1, 0)];
+    let mut open = vec![(0, 0..boxes.len())];
+    while let Some((node, range)) = open.pop() {
+        if range.len() == 1 {
+            nodes[node] = Bvh2Node::new(*nodes[node].aabb(), 1, range.start as u32);
+            continue;
+        }
+        let size = nodes[node].aabb().max - nodes[node].aabb().min;
+        let axis = (0..3).fold(0, |widest, axis| if size[axis] > size[widest] { axis } else { widest });
+        let middle = range.start + range.len() / 2;
+        let key = |&i: &u32| boxes[i as usize].min[axis] + boxes[i as usize].max[axis];
+        let by_place = |a: &u32, b: &u32| key(a).total_cmp(&key(b)).then(a.cmp(b));
+        order[range.clone()].select_nth_unstable_by(range.len() / 2, by_place);
+        let first = nodes.len();
+        nodes[node] = Bvh2Node::new(*nodes[node].aabb(), 0, first as u32);
+        for (child, half) in (first..).zip([range.start..middle, middle..range.end]) {
+            nodes.push(Bvh2Node::new(around(&order[half.clone()]), 1, 0));
+            open.push((child, half));
+        }
+    }
+    Bvh2 { nodes, primitive_indices: order, children_are_ordered_after_parents: true, ..Default::default() }
+}
+
+fn union(a: &Aabb, b: &Aabb) -> Aabb {
+    Aabb::new(a.min.min(b.min), a.max.max(b.max))
+}
+
+/// f32 products are exact in f64, their differences nearly so.
+fn has_area([a, b, c]: [[f32; 3]; 3]) -> bool {
+    let [a, b, c] = [a, b, c].map(|p| DVec3::from(p.map(f64::from)));
+    (b - a).cross(c - a) != DVec3::ZERO
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use insta::assert_snapshot;
+
+    fn mesh<'a>(positions: &'a [[f32; 3]], indices: &'a [u32]) -> Mesh<'a> {
+        Mesh { name: "chair", positions, indices }
+    }
+
+    const CORNERS: [[f32; 3]; 4] = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [2.0, 0.0, 0.0]];
+
+    #[test]
+    fn bad_meshes_are_refused_by_name() {
+        let refused =
+            |positions: &[[f32; 3]], indices: &[u32]| BottomLevel::build(&mesh(positions, indices)).unwrap_err();
+        assert_snapshot!(refused(&CORNERS, &[0, 1]), @"mesh 'chair' has 2 indices; a triangle has 3, so give a multiple of 3");
+        assert_snapshot!(refused(&CORNERS, &[0, 1, 9]), @"mesh 'chair': index 2 is 9, but there are 4 vertices");
+        assert_snapshot!(refused(&[[0.0, f32::NAN, 0.0]], &[]), @"mesh 'chair': vertex 0 is at [0.0, NaN, 0.0]; coordinates are finite and within ±1e12");
+        assert_snapshot!(refused(&[[0.0, 0.0, f32::INFINITY]], &[]), @"mesh 'chair': vertex 0 is at [0.0, 0.0, inf]; coordinates are finite and within ±1e12");
+    }
+
+    #[test]
+    fn triangles_without_an_area_are_left_out_and_counted() {
+        let built = BottomLevel::build(&mesh(&CORNERS, &[0, 1, 3, 0, 1, 2, 2, 2, 1])).unwrap();
+        assert_eq!((built.triangles(), built.dropped()), (1, 2));
+        assert_eq!(built.triangles, [[0, 1, 2, 1]]);
+        let none = BottomLevel::build(&mesh(&[], &[])).unwrap();
+        assert_eq!((none.triangles(), none.nodes.len(), none.bounds), (0, 0, None));
+    }
+
+    /// Triangles that shrink by half each: each is nearer to all smaller ones than to the next greater.
+    #[test]
+    fn a_tree_that_would_be_too_deep_is_balanced() {
+        let side = |i: i32| 0.5f32.powi(i);
+        let positions: Vec<_> = (0..120).flat_map(|i| [[side(i), 0.0, 0.0], [side(i), side(i), 0.0]]).collect();
+        let indices: Vec<_> = (0..238).flat_map(|i| [i, i + 1, i + 2]).collect();
+        let built = BottomLevel::build(&mesh(&positions, &indices)).unwrap();
+        assert!(levels(&built.nodes) <= 9, "{}", levels(&built.nodes));
+        let mut seen: Vec<_> = built.triangles.iter().map(|t| t[3]).collect();
+        seen.sort_unstable();
+        assert_eq!(seen.len() as u32, 238 - built.dropped());
+        assert!(seen.windows(2).all(|w| w[0] < w[1]));
+    }
+}

@@ -1,0 +1,101 @@
+//! Rays: the host's meshes and their instances, and what a shader needs to trace through them.
+//!
+//! A [`Mesh`] becomes a [`BottomLevel`] once, on any thread. A [`RayScene`] holds bottom levels on the GPU, and a top level
+//! over the [`Instance`]s of the frame, which move without touching the bottom.
+
+mod mesh;
+mod scene;
+
+pub use mesh::{BottomLevel, MAX_COORDINATE, Mesh};
+pub use scene::{Instance, MAX_INSTANCES, MeshId, RayScene};
+
+/// WGSL of `DaaRay`, `DaaHit` and `daa_trace(ray, any)`, for shaders of the host's own. The module declares what it reads:
+///
+/// ```wgsl
+/// @group(0) @binding(0) var<storage, read> daa_ray_nodes: array<vec4u>;
+/// @group(0) @binding(1) var<storage, read> daa_ray_geometry: array<vec4u>;
+/// @group(0) @binding(2) var<storage, read> daa_ray_top: array<vec4u>;
+/// ```
+///
+/// at any group and binding, bound to [`RayScene::buffers`].
+pub const SOFTWARE_WGSL: &str =
+    concat!(include_str!("../../shaders/rays.wgsl"), "\n", include_str!("../../shaders/rays_software.wgsl"));
+
+/// Entries of the traversal's stack in rays_software.wgsl.
+const STACK: u32 = 60;
+
+/// Meshes or instances that can't be traced.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RayError {
+    /// A vertex is not a number, or too far.
+    #[error("mesh '{mesh}': vertex {vertex} is at {position:?}; coordinates are finite and within ±1e12")]
+    Vertex {
+        /// Its name.
+        mesh: String,
+        /// Counted from 0.
+        vertex: usize,
+        /// As given.
+        position: [f32; 3],
+    },
+    /// No whole number of triangles.
+    #[error("mesh '{mesh}' has {indices} indices; a triangle has 3, so give a multiple of 3")]
+    Indices {
+        /// Its name.
+        mesh: String,
+        /// How many.
+        indices: usize,
+    },
+    /// An index beyond the vertices.
+    #[error("mesh '{mesh}': index {at} is {index}, but there are {vertices} vertices")]
+    Index {
+        /// Its name.
+        mesh: String,
+        /// Counted from 0.
+        at: usize,
+        /// As given.
+        index: u32,
+        /// How many there are.
+        vertices: usize,
+    },
+    /// The device does not bind so much.
+    #[error(
+        "{what} of the ray scene take {bytes} bytes, the device binds {limit}; request a greater max_storage_buffer_binding_size, or split the scene"
+    )]
+    TooLarge {
+        /// Which part.
+        what: &'static str,
+        /// What it takes.
+        bytes: u64,
+        /// What the device binds.
+        limit: u64,
+    },
+    /// More than shaders can tell apart.
+    #[error("{instances} instances; a frame traces at most {limit}")]
+    Instances {
+        /// How many.
+        instances: usize,
+        /// Most.
+        limit: usize,
+    },
+    /// A mesh of another scene.
+    #[error("instance {instance} is of mesh {mesh}, but the scene has {meshes}")]
+    NoMesh {
+        /// Counted from 0.
+        instance: usize,
+        /// As given.
+        mesh: u32,
+        /// How many the scene has.
+        meshes: usize,
+    },
+    /// A transform that can't be undone.
+    #[error("instance {instance} (mesh '{mesh}') has a transform that {why}; leave it out of the frame's instances")]
+    Transform {
+        /// Counted from 0.
+        instance: usize,
+        /// The name of its mesh.
+        mesh: String,
+        /// What is wrong with it.
+        why: &'static str,
+    },
+}

@@ -1,0 +1,295 @@
+//! The top level, and both levels on the GPU.
+
+use super::RayError;
+use super::mesh::{self, BottomLevel, MAX_COORDINATE, Quality};
+use glam::{Affine3A, DMat3, DVec3, Vec3};
+use obvhs::aabb::Aabb;
+
+/// A bottom level of a [`RayScene`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct MeshId(pub(crate) u32);
+
+/// A mesh somewhere in the world.
+#[derive(Debug, Clone, Copy)]
+pub struct Instance {
+    /// Which.
+    pub mesh: MeshId,
+    /// World from the mesh's own space: any affine transform that can be undone.
+    pub world: Affine3A,
+    /// What a hit says it is: the material of `DaaSample`.
+    pub material: u32,
+    /// What a hit says it is: the object of `DaaSample`.
+    pub object: u32,
+    /// The host's own 32 bits.
+    pub user: u32,
+}
+
+/// An instance as shaders see it; `DaaRayInstance` in rays.wgsl.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub(crate) struct InstanceRecord {
+    /// Rows of the transform from space relative to the camera into the mesh's own.
+    pub own_from_relative: [[f32; 4]; 3],
+    /// The mesh's root.
+    pub root: u32,
+    /// Its place among the frame's instances.
+    pub index: u32,
+    /// Of the mesh, among the vec4s of the geometry.
+    pub first_triangle: u32,
+    pub padding: u32,
+    pub material: u32,
+    pub object: u32,
+    pub user: u32,
+    pub padding1: u32,
+}
+
+/// The host's meshes and instances, ready for rays.
+///
+/// [`add`](Self::add) meshes once; [`update`](Self::update) the instances in each frame. Buffers grow when they must, and
+/// are kept: a steady frame allocates nothing on the GPU.
+#[derive(Debug)]
+pub struct RayScene {
+    nodes: Growing,
+    geometry: Growing,
+    top: Growing,
+    meshes: Vec<Placed>,
+    /// Vec4s used of `nodes` and `geometry`.
+    used: [u64; 2],
+    instances: u32,
+    generation: u64,
+    /// What `update` uploads, kept so as not to be allocated anew.
+    upload: Vec<[u32; 4]>,
+}
+
+/// Where a bottom level lies.
+#[derive(Debug)]
+struct Placed {
+    name: String,
+    root: u32,
+    first_triangle: u32,
+    bounds: Option<[Vec3; 2]>,
+}
+
+/// A storage buffer that keeps its content as it grows.
+#[derive(Debug)]
+struct Growing {
+    buffer: wgpu::Buffer,
+    what: &'static str,
+}
+
+impl Growing {
+    fn new(device: &wgpu::Device, what: &'static str) -> Self {
+        Self { buffer: Self::make(device, what, 256), what }
+    }
+
+    fn make(device: &wgpu::Device, what: &'static str, size: u64) -> wgpu::Buffer {
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
+        device.create_buffer(&wgpu::BufferDescriptor { label: Some(what), size, usage, mapped_at_creation: false })
+    }
+
+    /// Room for so many bytes, of which `keep` stay. Whether the buffer is another one now.
+    fn reserve(
+        &mut self,
+        device: &wgpu::Device,
+        encoder: Option<&mut wgpu::CommandEncoder>,
+        bytes: u64,
+        keep: u64,
+    ) -> Result<bool, RayError> {
+        if bytes <= self.buffer.size() {
+            return Ok(false);
+        }
+        let limit = device.limits().max_storage_buffer_binding_size.min(device.limits().max_buffer_size) & !255;
+        if bytes > limit {
+            return Err(RayError::TooLarge { what: self.what, bytes, limit });
+        }
+        let grown = Self::make(device, self.what, (bytes + bytes / 2).next_multiple_of(256).min(limit));
+        if let (true, Some(encoder)) = (keep > 0, encoder) {
+            encoder.copy_buffer_to_buffer(&self.buffer, 0, &grown, 0, keep);
+        }
+        self.buffer = grown;
+        Ok(true)
+    }
+}
+
+/// A ray query counts instances with 24 bits.
+pub const MAX_INSTANCES: usize = (1 << 24) - 1;
+
+/// Bytes of a vec4u, which all three buffers are arrays of.
+const VEC4: u64 = 16;
+/// Vec4s of a node, and of an [`InstanceRecord`].
+const RECORD: usize = 5;
+
+impl RayScene {
+    /// An empty scene: every ray misses.
+    pub fn new(device: &wgpu::Device) -> Self {
+        Self {
+            nodes: Growing::new(device, "nodes"),
+            geometry: Growing::new(device, "triangles and vertices"),
+            top: Growing::new(device, "instances"),
+            meshes: Vec::new(),
+            used: [0, 0],
+            instances: 0,
+            generation: 0,
+            upload: Vec::new(),
+        }
+    }
+
+    /// Uploads a mesh. `encoder` holds a copy if buffers had to grow; submit it before rays are traced.
+    pub fn add(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        encoder: &mut wgpu::CommandEncoder,
+        mesh: &BottomLevel,
+    ) -> Result<MeshId, RayError> {
+        let [nodes, geometry] = self.used;
+        let (root, first_triangle) = (nodes / RECORD as u64, geometry);
+        let first_vertex = geometry + mesh.triangles.len() as u64;
+        let end = first_vertex + mesh.positions.len() as u64;
+        let nodes_end = nodes + (mesh.nodes.len() * RECORD) as u64;
+
+        let mut relocated = mesh.nodes.clone();
+        for node in &mut relocated {
+            node.child_base_idx += root as u32;
+            node.primitive_base_idx += first_triangle as u32;
+        }
+        let triangles = mesh.triangles.iter().map(|&[a, b, c, id]| {
+            let [a, b, c] = [a, b, c].map(|v| v + first_vertex as u32);
+            [a, b, c, id]
+        });
+        let vertices = mesh.positions.iter().map(|p| [p[0].to_bits(), p[1].to_bits(), p[2].to_bits(), 0]);
+        let records: Vec<[u32; 4]> = triangles.chain(vertices).collect();
+
+        let mut grown = self.nodes.reserve(device, Some(&mut *encoder), nodes_end * VEC4, nodes * VEC4)?;
+        grown |= self.geometry.reserve(device, Some(encoder), end * VEC4, geometry * VEC4)?;
+        queue.write_buffer(&self.nodes.buffer, nodes * VEC4, bytemuck::cast_slice(&relocated));
+        queue.write_buffer(&self.geometry.buffer, geometry * VEC4, bytemuck::cast_slice(&records));
+        self.used = [nodes_end, end];
+        self.generation += u64::from(grown);
+        self.meshes.push(Placed {
+            name: mesh.name.clone(),
+            root: root as u32,
+            first_triangle: first_triangle as u32,
+            bounds: mesh.bounds,
+        });
+        Ok(MeshId(self.meshes.len() as u32 - 1))
+    }
+
+    /// Sets the frame's instances. `camera` is the camera's position in the world: rays are traced relative to it, so that
+    /// worlds may be large. What was there before stays if it fails.
+    pub fn update(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        instances: &[Instance],
+        camera: Vec3,
+    ) -> Result<(), RayError> {
+        if instances.len() > MAX_INSTANCES {
+            return Err(RayError::Instances { instances: instances.len(), limit: MAX_INSTANCES });
+        }
+        let (mut boxes, mut records) = (Vec::with_capacity(instances.len()), Vec::with_capacity(instances.len()));
+        for (index, instance) in instances.iter().enumerate() {
+            let (mesh, meshes) = (instance.mesh.0, self.meshes.len());
+            let placed = self.meshes.get(mesh as usize).ok_or(RayError::NoMesh { instance: index, mesh, meshes })?;
+            let place = Place::of(instance.world, camera).map_err(|why| RayError::Transform {
+                instance: index,
+                mesh: placed.name.clone(),
+                why,
+            })?;
+            let Some(bounds) = placed.bounds else { continue };
+            boxes.push(place.bounds(bounds));
+            records.push(InstanceRecord {
+                own_from_relative: place.own_from_relative,
+                root: placed.root,
+                index: index as u32,
+                first_triangle: placed.first_triangle,
+                padding: 0,
+                material: instance.material,
+                object: instance.object,
+                user: instance.user,
+                padding1: 0,
+            });
+        }
+        let (nodes, order) = mesh::wide(&boxes, Quality::Dynamic);
+        let first = 1 + nodes.len() * RECORD;
+        let bytes = (first + records.len() * RECORD) as u64 * VEC4;
+        self.generation += u64::from(self.top.reserve(device, None, bytes, 0)?);
+        self.upload.clear();
+        self.upload.push([first as u32, records.len() as u32, 0, 0]);
+        self.upload.extend_from_slice(bytemuck::cast_slice(&nodes));
+        for &i in &order {
+            self.upload.extend_from_slice(bytemuck::cast_slice(&[records[i as usize]]));
+        }
+        queue.write_buffer(&self.top.buffer, 0, bytemuck::cast_slice(&self.upload));
+        self.instances = records.len() as u32;
+        Ok(())
+    }
+
+    /// Instances that rays may meet.
+    pub fn instances(&self) -> u32 {
+        self.instances
+    }
+
+    /// Bytes of GPU memory held.
+    pub fn bytes(&self) -> u64 {
+        [&self.nodes, &self.geometry, &self.top].map(|b| b.buffer.size()).iter().sum()
+    }
+
+    /// Nodes, triangles with vertices, and the top level, for bindings 0 to 2 of `rays_software.wgsl`.
+    pub fn buffers(&self) -> [&wgpu::Buffer; 3] {
+        [&self.nodes.buffer, &self.geometry.buffer, &self.top.buffer]
+    }
+
+    /// Changes when a buffer is another one: bind groups must be made anew.
+    pub fn generation(&self) -> u64 {
+        self.generation
+    }
+}
+
+/// Where an instance lies, relative to the camera.
+struct Place {
+    matrix: DMat3,
+    translation: DVec3,
+    own_from_relative: [[f32; 4]; 3],
+}
+
+impl Place {
+    fn of(world: Affine3A, camera: Vec3) -> Result<Self, &'static str> {
+        if !world.is_finite() {
+            return Err("is not finite");
+        }
+        let matrix = DMat3::from_cols(
+            world.matrix3.x_axis.as_dvec3(),
+            world.matrix3.y_axis.as_dvec3(),
+            world.matrix3.z_axis.as_dvec3(),
+        );
+        let translation = world.translation.as_dvec3() - camera.as_dvec3();
+        let volume = matrix.x_axis.length() * matrix.y_axis.length() * matrix.z_axis.length();
+        // Below this, f32 can't undo it.
+        if matrix.determinant().abs() <= 1e-6 * volume {
+            return Err("flattens it");
+        }
+        let inverse = matrix.inverse();
+        let offset = -(inverse * translation);
+        let row = |i| inverse.row(i).extend(offset[i]).to_array().map(|c| c as f32);
+        let own_from_relative = [row(0), row(1), row(2)];
+        if own_from_relative.as_flattened().iter().any(|c| c.is_nan() || c.abs() > MAX_COORDINATE) {
+            return Err("shrinks or moves it too far");
+        }
+        Ok(Self { matrix, translation, own_from_relative })
+    }
+
+    /// A box around the mesh's own, relative to the camera, with room for the rounding of rays that are carried into the
+    /// mesh's own space.
+    fn bounds(&self, [low, high]: [Vec3; 2]) -> Aabb {
+        let [low, high] = [low, high].map(|p| p.as_dvec3());
+        let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for corner in 0..8 {
+            let pick = |bit: usize| if corner >> bit & 1 == 0 { low[bit] } else { high[bit] };
+            let p = self.matrix * DVec3::new(pick(0), pick(1), pick(2)) + self.translation;
+            (min, max) = (min.min(p), max.max(p));
+        }
+        let pad = 1e-6 * min.abs().max(max.abs()).max_element().max((max - min).max_element());
+        Aabb::new((min - pad).as_vec3a(), (max + pad).as_vec3a())
+    }
+}

@@ -1,0 +1,100 @@
+//! Twin of `shaders/rays_software.wgsl`: every triangle against every ray, in f64.
+
+use glam::{DAffine3, DVec2, DVec3};
+
+/// Points at `origin + t · direction`, t_min < t < t_max.
+#[derive(Debug, Clone, Copy)]
+pub struct Ray {
+    /// Where it begins.
+    pub origin: DVec3,
+    /// Where it goes; of any length but 0.
+    pub direction: DVec3,
+    /// The least t of a hit.
+    pub t_min: f64,
+    /// The greatest.
+    pub t_max: f64,
+}
+
+/// Where a ray meets a triangle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hit {
+    /// In lengths of the direction.
+    pub t: f64,
+    /// Which triangle.
+    pub triangle: usize,
+    /// Seen counterclockwise.
+    pub front: bool,
+    /// Weights of the second and third vertex.
+    pub barycentrics: DVec2,
+}
+
+/// The three weights of a triangle where a ray meets its plane, and t there; `None` if it runs along the plane.
+fn weights(ray: &Ray, [a, b, c]: [DVec3; 3]) -> Option<([f64; 3], f64, f64)> {
+    let [a, b, c] = [a - ray.origin, b - ray.origin, c - ray.origin];
+    let d = ray.direction;
+    // Volumes of the tetrahedra between the ray and each edge.
+    let volumes = [d.dot(c.cross(b)), d.dot(a.cross(c)), d.dot(b.cross(a))];
+    let volume: f64 = volumes.iter().sum();
+    if volume == 0.0 {
+        return None;
+    }
+    let normal = (b - a).cross(c - a);
+    Some((volumes.map(|v| v / volume), normal.dot(a) / normal.dot(d), volume))
+}
+
+/// The first triangle that the ray meets; of several at the same t the first of the list.
+pub fn closest(ray: &Ray, triangles: &[[DVec3; 3]]) -> Option<Hit> {
+    let mut first: Option<Hit> = None;
+    for (triangle, &corners) in triangles.iter().enumerate() {
+        let Some((w, t, volume)) = weights(ray, corners) else { continue };
+        let inside = w.iter().all(|&w| w >= 0.0) && t > ray.t_min && t < ray.t_max;
+        if inside && first.is_none_or(|f| t < f.t) {
+            first = Some(Hit { t, triangle, front: volume > 0.0, barycentrics: DVec2::new(w[1], w[2]) });
+        }
+    }
+    first
+}
+
+/// How near the ray comes to changing what it hits: the least |weight| at any triangle that it meets or just misses, in
+/// shares of the triangle, and the least distance of a t from an end of the ray, relative to it.
+pub fn margin(ray: &Ray, triangles: &[[DVec3; 3]]) -> f64 {
+    let of = |&corners: &[DVec3; 3]| {
+        let Some((w, t, _)) = weights(ray, corners) else { return f64::MAX };
+        let edge = w.iter().fold(f64::MAX, |least, &w| least.min(w));
+        let end = |end: f64| (t - end).abs() / t.abs().max(end.abs()).max(f64::MIN_POSITIVE);
+        let ends = end(ray.t_min).min(end(ray.t_max));
+        // Well outside in one way, it does not matter how near it is in the other.
+        let outside = (-edge).max(if t < ray.t_min || t > ray.t_max { ends } else { 0.0 });
+        if outside > 0.0 { outside } else { edge.min(ends) }
+    };
+    triangles.iter().map(of).fold(f64::MAX, f64::min)
+}
+
+/// A mesh's triangles where an instance puts them, relative to the camera.
+pub fn place(positions: &[[f32; 3]], indices: &[u32], world: DAffine3, camera: DVec3) -> Vec<[DVec3; 3]> {
+    let vertex = |&i: &u32| world.transform_point3(DVec3::from(positions[i as usize].map(f64::from))) - camera;
+    indices.as_chunks::<3>().0.iter().map(|t| [vertex(&t[0]), vertex(&t[1]), vertex(&t[2])]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_triangle_is_hit_in_front_behind_and_not_beside() {
+        let triangles = [[DVec3::ZERO, DVec3::X, DVec3::Y]];
+        let at = |z: f64, dz: f64, x| Ray {
+            origin: DVec3::new(x, 0.25, z),
+            direction: DVec3::Z * dz,
+            t_min: 0.0,
+            t_max: 10.0,
+        };
+        let hit = closest(&at(3.0, -1.0, 0.5), &triangles).unwrap();
+        assert_eq!((hit.t, hit.front, hit.barycentrics), (3.0, true, DVec2::new(0.5, 0.25)));
+        let behind = closest(&at(-3.0, 2.0, 0.5), &triangles).unwrap();
+        assert_eq!((behind.t, behind.front), (1.5, false));
+        assert_eq!(closest(&at(3.0, -1.0, 0.8), &triangles), None);
+        assert_eq!(closest(&at(3.0, 1.0, 0.5), &triangles), None);
+        assert!((margin(&at(3.0, -1.0, 0.8), &triangles) - 0.05).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,422 @@
+//! Rays through the two-level tree against every triangle in f64, and the hard cases of numerics.
+
+use crate::harness::{device, noise};
+use deferred_aa::glam::{Affine3A, DAffine3, DVec3, Mat3, Quat, Vec3, vec3};
+use deferred_aa::rays::{self, BottomLevel, Instance, Mesh, MeshId, RayError, RayScene};
+use deferred_aa::reference::rays::{self as twin, Ray};
+use deferred_aa::{TextureTier, wgpu};
+use deferred_aa_demo::gpu::Gpu;
+use insta::assert_snapshot;
+
+const KERNEL: &str = "
+@group(0) @binding(0) var<storage, read> daa_ray_nodes: array<vec4u>;
+@group(0) @binding(1) var<storage, read> daa_ray_geometry: array<vec4u>;
+@group(0) @binding(2) var<storage, read> daa_ray_top: array<vec4u>;
+@group(0) @binding(3) var<storage, read> rays: array<DaaRay>;
+@group(0) @binding(4) var<storage, read_write> hits: array<DaaHit>;
+override any: bool = false;
+
+@compute @workgroup_size(64)
+fn trace(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let index = id.y * groups.x * 64u + id.x;
+    if index < arrayLength(&rays) {
+        hits[index] = daa_trace(rays[index], any);
+    }
+}
+";
+
+/// As `DaaRay`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+struct GpuRay {
+    origin: Vec3,
+    t_min: f32,
+    direction: Vec3,
+    t_max: f32,
+}
+
+/// As `DaaHit`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+struct GpuHit {
+    t: f32,
+    instance: u32,
+    triangle: u32,
+    front: u32,
+    barycentrics: [f32; 2],
+}
+
+const MISS: u32 = u32::MAX;
+
+fn ray(origin: Vec3, direction: Vec3) -> GpuRay {
+    GpuRay { origin, t_min: 0.0, direction, t_max: 1e30 }
+}
+
+struct Tracer {
+    gpu: Gpu,
+    scene: RayScene,
+    pipelines: [wgpu::ComputePipeline; 2],
+}
+
+impl Tracer {
+    fn new() -> Self {
+        let gpu = device(TextureTier::None);
+        let source = format!("{}\n{KERNEL}", rays::SOFTWARE_WGSL);
+        let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some("rays"),
+            source: wgpu::ShaderSource::Wgsl(source.into()),
+        });
+        let pipelines = [0.0, 1.0].map(|any| {
+            gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some("rays"),
+                layout: None,
+                module: &module,
+                entry_point: Some("trace"),
+                compilation_options: wgpu::PipelineCompilationOptions {
+                    constants: &[("any", any)],
+                    ..Default::default()
+                },
+                cache: None,
+            })
+        });
+        assert_eq!(gpu.take_errors(), Vec::<String>::new());
+        let scene = RayScene::new(&gpu.device);
+        Self { gpu, scene, pipelines }
+    }
+
+    fn add(&mut self, positions: &[[f32; 3]], indices: &[u32]) -> MeshId {
+        let built = BottomLevel::build(&Mesh { name: "mesh", positions, indices }).unwrap();
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        let id = self.scene.add(&self.gpu.device, &self.gpu.queue, &mut encoder, &built).unwrap();
+        self.gpu.queue.submit([encoder.finish()]);
+        id
+    }
+
+    fn place(&mut self, instances: &[(MeshId, Affine3A)], camera: Vec3) {
+        let instances: Vec<_> = instances.iter().map(|&(mesh, world)| instance(mesh, world)).collect();
+        self.scene.update(&self.gpu.device, &self.gpu.queue, &instances, camera).unwrap();
+    }
+
+    fn trace(&self, rays: &[GpuRay], any: bool) -> Vec<GpuHit> {
+        use wgpu::util::DeviceExt;
+        let Gpu { device, queue, .. } = &self.gpu;
+        let input = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: Some("rays"),
+            contents: bytemuck::cast_slice(rays),
+            usage: wgpu::BufferUsages::STORAGE,
+        });
+        let size = (rays.len() * size_of::<GpuHit>()) as u64;
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
+        let output = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("hits"),
+            size,
+            usage,
+            mapped_at_creation: false,
+        });
+        let pipeline = &self.pipelines[usize::from(any)];
+        let [nodes, geometry, top] = self.scene.buffers();
+        let buffers = [nodes, geometry, top, &input, &output];
+        let entries: Vec<_> = (0..)
+            .zip(buffers)
+            .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
+            .collect();
+        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("rays"),
+            layout: &pipeline.get_bind_group_layout(0),
+            entries: &entries,
+        });
+        let mut encoder = device.create_command_encoder(&Default::default());
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        pass.dispatch_workgroups(256, (rays.len() as u32).div_ceil(64 * 256), 1);
+        drop(pass);
+        queue.submit([encoder.finish()]);
+        bytemuck::pod_collect_to_vec(&self.gpu.read_buffer(&output))
+    }
+}
+
+fn instance(mesh: MeshId, world: Affine3A) -> Instance {
+    Instance { mesh, world, material: 0, object: 1, user: 0 }
+}
+
+/// Numbers from −1 to 1, the same each time.
+fn random(seed: &mut u32) -> f32 {
+    *seed += 1;
+    noise(*seed) * 2.0 - 1.0
+}
+
+fn random3(seed: &mut u32) -> Vec3 {
+    vec3(random(seed), random(seed), random(seed))
+}
+
+/// A closed sphere of 20 · 4^levels triangles, each vertex moved out by up to `bumps`.
+fn sphere(levels: u32, bumps: f32) -> (Vec<[f32; 3]>, Vec<u32>) {
+    let g = (1.0 + 5f32.sqrt()) / 2.0;
+    let mut positions: Vec<Vec3> = [(-1.0, g, 0.0), (1.0, g, 0.0), (-1.0, -g, 0.0), (1.0, -g, 0.0)]
+        .into_iter()
+        .flat_map(|(x, y, z): (f32, f32, f32)| [vec3(x, y, z), vec3(z, x, y), vec3(y, z, x)])
+        .map(Vec3::normalize)
+        .collect();
+    // Faces of the icosahedron: triples of nearest neighbours, outwards.
+    let near = |a: Vec3, b: Vec3| a != b && a.distance(b) < 1.1;
+    let mut indices = Vec::new();
+    for i in 0..12usize {
+        for j in i + 1..12 {
+            for k in j + 1..12 {
+                let [a, b, c] = [positions[i], positions[j], positions[k]];
+                if near(a, b) && near(b, c) && near(a, c) {
+                    let out = (b - a).cross(c - a).dot(a) > 0.0;
+                    indices.push(if out { [i, j, k] } else { [i, k, j] });
+                }
+            }
+        }
+    }
+    for _ in 0..levels {
+        let mut middles = std::collections::HashMap::new();
+        let mut middle = |i: usize, j: usize| {
+            *middles.entry((i.min(j), i.max(j))).or_insert_with(|| {
+                positions.push((positions[i] + positions[j]).normalize());
+                positions.len() - 1
+            })
+        };
+        indices = indices
+            .into_iter()
+            .flat_map(|[a, b, c]| {
+                let [x, y, z] = [middle(a, b), middle(b, c), middle(c, a)];
+                [[a, x, z], [x, b, y], [z, y, c], [x, y, z]]
+            })
+            .collect();
+    }
+    let mut seed = 7;
+    let positions = positions.iter().map(|&p| (p * (1.0 + bumps * random(&mut seed).abs())).to_array()).collect();
+    (positions, indices.into_iter().flatten().map(|i| i as u32).collect())
+}
+
+/// Holds the GPU's hits against every triangle in f64; returns how many differed, each within the margin of an edge.
+fn assert_as_twin(tracer: &Tracer, triangles: &[[DVec3; 3]], owners: &[(u32, u32, bool)], rays: &[GpuRay]) -> usize {
+    let closest = tracer.trace(rays, false);
+    let any = tracer.trace(rays, true);
+    let mut near = 0;
+    for ((gpu, hit), any) in rays.iter().zip(&closest).zip(&any) {
+        let ray = Ray {
+            origin: gpu.origin.as_dvec3(),
+            direction: gpu.direction.as_dvec3(),
+            t_min: f64::from(gpu.t_min),
+            t_max: f64::from(gpu.t_max),
+        };
+        let expected = twin::closest(&ray, triangles);
+        assert_eq!(hit.instance == MISS, any.instance == MISS, "{gpu:?} {hit:?} {any:?}");
+        let same = match expected {
+            None => hit.instance == MISS && hit.t == gpu.t_max,
+            Some(e) => {
+                let close = (f64::from(hit.t) - e.t).abs() <= 1e-4 * e.t;
+                let (instance, triangle, mirrored) = owners[e.triangle];
+                close && (hit.instance, hit.triangle, hit.front == 1) == (instance, triangle, e.front != mirrored)
+            }
+        };
+        if !same {
+            let margin = twin::margin(&ray, triangles);
+            assert!(margin < 1e-4, "{gpu:?}\n{hit:?}\n{expected:?} margin {margin}");
+            near += 1;
+        }
+    }
+    near
+}
+
+/// Shrunk, mirrored, sheared, turned: t is that of the world in all.
+#[test]
+fn hits_are_those_of_every_triangle_in_f64() {
+    let mut tracer = Tracer::new();
+    let mut seed = 1;
+    let soup: Vec<[f32; 3]> = (0..150)
+        .flat_map(|_| {
+            let middle = random3(&mut seed);
+            [(); 3].map(|()| (middle + 0.3 * random3(&mut seed)).to_array())
+        })
+        .collect();
+    let order: Vec<u32> = (0..soup.len() as u32).collect();
+    let (ball, faces) = sphere(1, 0.2);
+    let [soup_id, ball_id] = [tracer.add(&soup, &order), tracer.add(&ball, &faces)];
+    let tiny = |p: &[[f32; 3]]| -> Vec<[f32; 3]> { p.iter().map(|v| v.map(|c| c * 1e6)).collect() };
+    let huge_id = tracer.add(&tiny(&ball), &faces);
+    let shear = Mat3::from_cols(vec3(1.0, 0.0, 0.0), vec3(0.7, 1.0, 0.0), vec3(-0.4, 0.2, 1.0));
+    let camera = vec3(0.2, -0.1, 0.4);
+    let placed = [
+        (soup_id, Affine3A::IDENTITY),
+        (
+            ball_id,
+            Affine3A::from_scale_rotation_translation(
+                Vec3::splat(0.3),
+                Quat::from_rotation_x(1.0),
+                vec3(2.0, 0.0, 0.0),
+            ),
+        ),
+        (ball_id, Affine3A::from_mat3_translation(shear, vec3(-2.5, 0.5, 0.0))),
+        (ball_id, Affine3A::from_scale_rotation_translation(vec3(-0.5, 0.5, 2.0), Quat::IDENTITY, vec3(0.0, 2.5, 0.0))),
+        (huge_id, Affine3A::from_scale_rotation_translation(Vec3::splat(1e-6), Quat::IDENTITY, vec3(0.0, -2.5, 1.0))),
+    ];
+    tracer.place(&placed, camera);
+    let (mut triangles, mut owners) = (Vec::new(), Vec::new());
+    for (instance, (mesh, world)) in (0..).zip(placed) {
+        let (positions, indices) = match mesh {
+            id if id == soup_id => (soup.clone(), &order),
+            id if id == ball_id => (ball.clone(), &faces),
+            _ => (tiny(&ball), &faces),
+        };
+        let mirrored = world.matrix3.determinant() < 0.0;
+        let world = DAffine3::from_mat3_translation(world.matrix3.as_dmat3(), world.translation.as_dvec3());
+        triangles.extend(twin::place(&positions, indices, world, camera.as_dvec3()));
+        owners.extend((0..indices.len() as u32 / 3).map(|triangle| (instance, triangle, mirrored)));
+    }
+    let rays: Vec<_> = (0..20_000)
+        .map(|i| {
+            let (origin, direction) = (4.0 * random3(&mut seed), random3(&mut seed));
+            // Every third is a shadow ray of a limited reach.
+            GpuRay { t_max: if i % 3 == 0 { 3.0 } else { 1e30 }, ..ray(origin, direction) }
+        })
+        .collect();
+    let near = assert_as_twin(&tracer, &triangles, &owners, &rays);
+    assert!(near <= rays.len() / 1000, "{near} of {} differ near edges", rays.len());
+    assert_eq!(tracer.gpu.take_errors(), Vec::<String>::new());
+}
+
+/// Row 14: rays from inside, many of them at vertices and at the middles of edges.
+#[test]
+fn no_ray_escapes_a_closed_mesh() {
+    let mut tracer = Tracer::new();
+    let (positions, indices) = sphere(4, 0.15);
+    let id = tracer.add(&positions, &indices);
+    for (scale, shear) in [(1.0, 0.0), (1e-3, 0.6), (1e6, -2.0)] {
+        let matrix = Mat3::from_cols(vec3(scale, 0.0, 0.0), vec3(shear * scale, scale, 0.0), vec3(0.0, 0.0, -scale));
+        let world = Affine3A::from_mat3_translation(matrix, vec3(0.3, 0.2, -0.1) * scale);
+        tracer.place(&[(id, world)], Vec3::ZERO);
+        let vertex = |i: usize| world.transform_point3(Vec3::from(positions[indices[i % indices.len()] as usize]));
+        let mut seed = 3;
+        let inside = |seed: &mut u32| world.transform_point3(random3(seed) * 0.5);
+        let rays: Vec<_> = (0..340_000)
+            .map(|i| {
+                let origin = inside(&mut seed);
+                let direction = match i % 3 {
+                    0 => random3(&mut seed),
+                    1 => vertex(i) - origin,
+                    _ => (vertex(i) + vertex(i - i % 3 + (i + 1) % 3)) * 0.5 - origin,
+                };
+                ray(origin, direction)
+            })
+            .collect();
+        let escaped = tracer.trace(&rays, false).iter().filter(|hit| hit.instance == MISS).count();
+        assert_eq!(escaped, 0, "of {} at scale {scale}", rays.len());
+    }
+    assert_eq!(tracer.gpu.take_errors(), Vec::<String>::new());
+}
+
+/// Row 15: rays along the axes from points on the planes of boxes.
+#[test]
+fn rays_along_axes_meet_what_lies_on_their_planes() {
+    let mut tracer = Tracer::new();
+    // A floor of 16 × 16 quads at whole coordinates, as two triangles each.
+    let positions: Vec<_> = (0..17 * 17).map(|i| [(i % 17) as f32, 0.0, (i / 17) as f32]).collect();
+    let quad = |i: u32| {
+        let at = i / 16 * 17 + i % 16;
+        [at, at + 1, at + 17, at + 1, at + 18, at + 17]
+    };
+    let indices: Vec<_> = (0..256).flat_map(quad).collect();
+    let id = tracer.add(&positions, &indices);
+    tracer.place(&[(id, Affine3A::IDENTITY)], Vec3::ZERO);
+    let corner = |i: u32| vec3((i % 17) as f32, 0.0, (i / 17) as f32);
+    let down: Vec<_> = (0..17 * 17).map(|i| ray(corner(i) + Vec3::Y * 5.0, -Vec3::Y)).collect();
+    let up: Vec<_> = (0..17 * 17).map(|i| ray(corner(i) - Vec3::Y * 3.0, Vec3::Y)).collect();
+    assert!(tracer.trace(&down, false).iter().all(|hit| hit.t == 5.0), "down");
+    assert!(tracer.trace(&up, true).iter().all(|hit| hit.t == 3.0), "up");
+    // Along the floor there is nothing to hit, from its plane or beside it.
+    let along: Vec<_> = (0..17).map(|i| ray(vec3(-1.0, 0.0, i as f32), Vec3::X)).collect();
+    assert!(tracer.trace(&along, false).iter().all(|hit| hit.instance == MISS), "along");
+    assert_eq!(tracer.gpu.take_errors(), Vec::<String>::new());
+}
+
+/// Row 16, and scenes of nothing, one triangle, and many.
+#[test]
+fn empty_scenes_single_triangles_and_degenerate_ones() {
+    let mut tracer = Tracer::new();
+    let forward = [ray(vec3(0.2, 0.2, 1.0), -Vec3::Z)];
+    assert_eq!(tracer.trace(&forward, false)[0].instance, MISS);
+    let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [2.0, 0.0, 0.0]];
+    let none = tracer.add(&[], &[]);
+    tracer.place(&[(none, Affine3A::IDENTITY)], Vec3::ZERO);
+    assert_eq!(tracer.trace(&forward, false)[0].instance, MISS);
+    let one = tracer.add(&corners, &[0, 1, 2]);
+    // The empty mesh keeps its place among the instances.
+    tracer.place(&[(none, Affine3A::IDENTITY), (one, Affine3A::IDENTITY)], Vec3::ZERO);
+    let hit = tracer.trace(&forward, false)[0];
+    assert_eq!((hit.t, hit.instance, hit.triangle, hit.front), (1.0, 1, 0, 1));
+    let padded = tracer.add(&corners, &[0, 1, 3, 2, 2, 2, 0, 1, 2]);
+    tracer.place(&[(padded, Affine3A::IDENTITY)], Vec3::ZERO);
+    let again = tracer.trace(&forward, false)[0];
+    assert_eq!((again.t, again.triangle, again.barycentrics), (hit.t, 2, hit.barycentrics));
+    assert_eq!(tracer.gpu.take_errors(), Vec::<String>::new());
+}
+
+/// A transform that can't be undone is refused, by the instance and its mesh, and the frame before stays.
+#[test]
+fn instances_that_cannot_be_traced_are_refused() {
+    let mut tracer = Tracer::new();
+    let id = tracer.add(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[0, 1, 2]);
+    tracer.place(&[(id, Affine3A::IDENTITY)], Vec3::ZERO);
+    let mut refused = |world| {
+        let instances = [instance(id, Affine3A::IDENTITY), instance(id, world)];
+        tracer.scene.update(&tracer.gpu.device, &tracer.gpu.queue, &instances, Vec3::ZERO).unwrap_err()
+    };
+    assert_snapshot!(refused(Affine3A::from_scale(vec3(1.0, 0.0, 1.0))), @"instance 1 (mesh 'mesh') has a transform that flattens it; leave it out of the frame's instances");
+    assert_snapshot!(refused(Affine3A::from_translation(vec3(f32::NAN, 0.0, 0.0))), @"instance 1 (mesh 'mesh') has a transform that is not finite; leave it out of the frame's instances");
+    assert_snapshot!(refused(Affine3A::from_scale(Vec3::splat(1e-20))), @"instance 1 (mesh 'mesh') has a transform that shrinks or moves it too far; leave it out of the frame's instances");
+    let other = RayScene::new(&tracer.gpu.device).update(
+        &tracer.gpu.device,
+        &tracer.gpu.queue,
+        &[instance(id, Affine3A::IDENTITY)],
+        Vec3::ZERO,
+    );
+    assert!(matches!(other, Err(RayError::NoMesh { instance: 0, mesh: 0, meshes: 0 })), "{other:?}");
+    assert_eq!(tracer.trace(&[ray(vec3(0.2, 0.2, 1.0), -Vec3::Z)], false)[0].t, 1.0);
+    assert_eq!(tracer.gpu.take_errors(), Vec::<String>::new());
+}
+
+/// Moving instances leaves every buffer where it is, once there was room for them.
+#[test]
+fn a_steady_frame_keeps_its_buffers() {
+    let mut tracer = Tracer::new();
+    let (positions, indices) = sphere(0, 0.0);
+    let id = tracer.add(&positions, &indices);
+    let at = |frame: f32| -> Vec<_> {
+        (0..1000).map(|i| (id, Affine3A::from_translation(vec3(i as f32 * 3.0, frame, 0.0)))).collect()
+    };
+    tracer.place(&at(0.0), Vec3::ZERO);
+    let (generation, bytes) = (tracer.scene.generation(), tracer.scene.bytes());
+    for frame in 1..4 {
+        tracer.place(&at(frame as f32), Vec3::ZERO);
+        let hit = tracer.trace(&[ray(vec3(2997.0, 50.0, 0.0), -Vec3::Y)], false)[0];
+        assert_eq!(hit.instance, 999);
+        assert!((hit.t - (50.0 - frame as f32 - 1.0)).abs() < 0.2, "{hit:?}");
+    }
+    assert_eq!((tracer.scene.generation(), tracer.scene.bytes()), (generation, bytes));
+    assert_eq!(tracer.gpu.take_errors(), Vec::<String>::new());
+}
+
+/// Row 18: the scene and the camera moved far from the origin.
+#[test]
+fn a_world_far_away_is_traced_alike() {
+    let mut tracer = Tracer::new();
+    let (positions, indices) = sphere(2, 0.1);
+    let id = tracer.add(&positions, &indices);
+    let mut seed = 11;
+    let rays: Vec<_> = (0..4096).map(|_| ray(3.0 * random3(&mut seed), random3(&mut seed))).collect();
+    let mut hits = [0.0, 131_072.0].map(|far| {
+        let away = Vec3::splat(far);
+        tracer.place(&[(id, Affine3A::from_translation(away + Vec3::X))], away);
+        tracer.trace(&rays, false)
+    });
+    let [near, far] = &mut hits;
+    assert!(near.iter().any(|hit| hit.instance == 0) && near.iter().any(|hit| hit.instance == MISS));
+    assert_eq!(near, far);
+    assert_eq!(tracer.gpu.take_errors(), Vec::<String>::new());
+}
