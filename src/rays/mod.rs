@@ -99,3 +99,14 @@ pub enum RayError {
         why: &'static str,
     },
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_shader_has_the_same_numbers() {
+        assert!(SOFTWARE_WGSL.contains(&format!("const DAA_RAY_STACK: u32 = {STACK}u;")));
+        assert!(SOFTWARE_WGSL.contains(&format!("const DAA_RAY_RECORD: u32 = {}u;", scene::RECORD)));
+    }
+}

@@ -4,6 +4,7 @@ use super::RayError;
 use super::mesh::{self, BottomLevel, MAX_COORDINATE, Quality};
 use glam::{Affine3A, DMat3, DVec3, Vec3};
 use obvhs::aabb::Aabb;
+use obvhs::cwbvh::node::CwBvhNode;
 
 /// A bottom level of a [`RayScene`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -16,15 +17,15 @@ pub struct Instance {
     pub mesh: MeshId,
     /// World from the mesh's own space: any affine transform that can be undone.
     pub world: Affine3A,
-    /// What a hit says it is: the material of `DaaSample`.
+    /// Of its record in `daa_ray_top`: the material of `DaaSample`.
     pub material: u32,
-    /// What a hit says it is: the object of `DaaSample`.
+    /// Of its record: the object of `DaaSample`.
     pub object: u32,
     /// The host's own 32 bits.
     pub user: u32,
 }
 
-/// An instance as shaders see it; `DaaRayInstance` in rays.wgsl.
+/// An instance as shaders see it: [`RECORD`] vec4s of `daa_ray_top`.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub(crate) struct InstanceRecord {
@@ -117,7 +118,9 @@ pub const MAX_INSTANCES: usize = (1 << 24) - 1;
 /// Bytes of a vec4u, which all three buffers are arrays of.
 const VEC4: u64 = 16;
 /// Vec4s of a node, and of an [`InstanceRecord`].
-const RECORD: usize = 5;
+pub(super) const RECORD: usize = 5;
+const _: () = assert!(size_of::<InstanceRecord>() == RECORD * VEC4 as usize);
+const _: () = assert!(size_of::<CwBvhNode>() == RECORD * VEC4 as usize);
 
 impl RayScene {
     /// An empty scene: every ray misses.
@@ -160,12 +163,14 @@ impl RayScene {
         let vertices = mesh.positions.iter().map(|p| [p[0].to_bits(), p[1].to_bits(), p[2].to_bits(), 0]);
         let records: Vec<[u32; 4]> = triangles.chain(vertices).collect();
 
-        let mut grown = self.nodes.reserve(device, Some(&mut *encoder), nodes_end * VEC4, nodes * VEC4)?;
-        grown |= self.geometry.reserve(device, Some(encoder), end * VEC4, geometry * VEC4)?;
+        // Counted one by one: the first may be another one even where the second finds no room.
+        let grown = self.nodes.reserve(device, Some(&mut *encoder), nodes_end * VEC4, nodes * VEC4)?;
+        self.generation += u64::from(grown);
+        let grown = self.geometry.reserve(device, Some(encoder), end * VEC4, geometry * VEC4)?;
+        self.generation += u64::from(grown);
         queue.write_buffer(&self.nodes.buffer, nodes * VEC4, bytemuck::cast_slice(&relocated));
         queue.write_buffer(&self.geometry.buffer, geometry * VEC4, bytemuck::cast_slice(&records));
         self.used = [nodes_end, end];
-        self.generation += u64::from(grown);
         self.meshes.push(Placed {
             name: mesh.name.clone(),
             root: root as u32,
