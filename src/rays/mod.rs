@@ -4,9 +4,11 @@
 //! over the [`Instance`]s of the frame, which move without touching the bottom.
 
 mod mesh;
+mod query;
 mod scene;
 
 pub use mesh::{BottomLevel, MAX_COORDINATE, Mesh};
+pub use query::QUERY_FEATURES;
 pub use scene::{Instance, MAX_INSTANCES, MeshId, RayScene};
 
 /// WGSL of `DaaRay`, `DaaHit` and `daa_trace(ray, any)`, for shaders of the host's own. The module declares what it reads:
@@ -20,6 +22,28 @@ pub use scene::{Instance, MAX_INSTANCES, MeshId, RayScene};
 /// at any group and binding, bound to [`RayScene::buffers`].
 pub const SOFTWARE_WGSL: &str =
     concat!(include_str!("../../shaders/rays.wgsl"), "\n", include_str!("../../shaders/rays_software.wgsl"));
+
+/// The same functions by the adapter's ray query. The module begins with `enable wgpu_ray_query;` and declares
+///
+/// ```wgsl
+/// @group(0) @binding(0) var daa_ray_tlas: acceleration_structure;
+/// @group(0) @binding(1) var<storage, read> daa_ray_geometry: array<vec4u>;
+/// @group(0) @binding(2) var<storage, read> daa_ray_top: array<vec4u>;
+/// ```
+///
+/// at any group and binding: [`RayScene::top_level`], and the second and third of [`RayScene::buffers`].
+pub const QUERY_WGSL: &str =
+    concat!(include_str!("../../shaders/rays.wgsl"), "\n", include_str!("../../shaders/rays_query.wgsl"));
+
+/// How rays are traced. Both find the same hits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum RayTier {
+    /// In WGSL, on any adapter.
+    #[default]
+    Software,
+    /// By the adapter. Needs [`QUERY_FEATURES`], and limits for acceleration structures.
+    Query,
+}
 
 /// Entries of the traversal's stack in rays_software.wgsl.
 const STACK: u32 = 60;
@@ -69,6 +93,16 @@ pub enum RayError {
         bytes: u64,
         /// What the device binds.
         limit: u64,
+    },
+    /// More than the device's acceleration structures hold.
+    #[error("{count} {what}, the device holds {limit}; request greater limits for acceleration structures, or use RayTier::Software")]
+    Structures {
+        /// Of what.
+        what: &'static str,
+        /// How many.
+        count: usize,
+        /// Most.
+        limit: usize,
     },
     /// More than shaders can tell apart.
     #[error("{instances} instances; a frame traces at most {limit}")]

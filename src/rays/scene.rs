@@ -1,6 +1,7 @@
 //! The top level, and both levels on the GPU.
 
-use super::RayError;
+use super::query::Structures;
+use super::{RayError, RayTier};
 use super::mesh::{self, BottomLevel, MAX_COORDINATE, Quality};
 use glam::{Affine3A, DMat3, DVec3, Vec3};
 use obvhs::aabb::Aabb;
@@ -52,6 +53,8 @@ pub struct RayScene {
     nodes: Growing,
     geometry: Growing,
     top: Growing,
+    /// Of [`RayTier::Query`].
+    structures: Option<Structures>,
     meshes: Vec<Placed>,
     /// Vec4s used of `nodes` and `geometry`.
     used: [u64; 2],
@@ -120,12 +123,13 @@ const VEC4: u64 = 16;
 const RECORD: usize = 5;
 
 impl RayScene {
-    /// An empty scene: every ray misses.
-    pub fn new(device: &wgpu::Device) -> Self {
+    /// An empty scene: every ray misses, once it is [`update`](Self::update)d.
+    pub fn new(device: &wgpu::Device, tier: RayTier) -> Self {
         Self {
             nodes: Growing::new(device, "nodes"),
             geometry: Growing::new(device, "triangles and vertices"),
             top: Growing::new(device, "instances"),
+            structures: (tier == RayTier::Query).then(|| Structures::new(device)),
             meshes: Vec::new(),
             used: [0, 0],
             instances: 0,
@@ -134,7 +138,8 @@ impl RayScene {
         }
     }
 
-    /// Uploads a mesh. `encoder` holds a copy if buffers had to grow; submit it before rays are traced.
+    /// Uploads a mesh. `encoder` holds copies where buffers had to grow, and the adapter's builds: submit it before rays are
+    /// traced.
     pub fn add(
         &mut self,
         device: &wgpu::Device,
@@ -160,6 +165,9 @@ impl RayScene {
         let vertices = mesh.positions.iter().map(|p| [p[0].to_bits(), p[1].to_bits(), p[2].to_bits(), 0]);
         let records: Vec<[u32; 4]> = triangles.chain(vertices).collect();
 
+        if let Some(structures) = &mut self.structures {
+            structures.add(device, queue, encoder, mesh)?;
+        }
         let mut grown = self.nodes.reserve(device, Some(&mut *encoder), nodes_end * VEC4, nodes * VEC4)?;
         grown |= self.geometry.reserve(device, Some(encoder), end * VEC4, geometry * VEC4)?;
         queue.write_buffer(&self.nodes.buffer, nodes * VEC4, bytemuck::cast_slice(&relocated));
@@ -176,18 +184,19 @@ impl RayScene {
     }
 
     /// Sets the frame's instances. `camera` is the camera's position in the world: rays are traced relative to it, so that
-    /// worlds may be large. What was there before stays if it fails.
+    /// worlds may be large. `encoder` holds the adapter's build. What was there before stays if it fails.
     pub fn update(
         &mut self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
+        encoder: &mut wgpu::CommandEncoder,
         instances: &[Instance],
         camera: Vec3,
     ) -> Result<(), RayError> {
         if instances.len() > MAX_INSTANCES {
             return Err(RayError::Instances { instances: instances.len(), limit: MAX_INSTANCES });
         }
-        let (mut boxes, mut records) = (Vec::with_capacity(instances.len()), Vec::with_capacity(instances.len()));
+        let (mut boxes, mut records, mut places) = (Vec::new(), Vec::new(), Vec::new());
         for (index, instance) in instances.iter().enumerate() {
             let (mesh, meshes) = (instance.mesh.0, self.meshes.len());
             let placed = self.meshes.get(mesh as usize).ok_or(RayError::NoMesh { instance: index, mesh, meshes })?;
@@ -197,7 +206,10 @@ impl RayScene {
                 why,
             })?;
             let Some(bounds) = placed.bounds else { continue };
-            boxes.push(place.bounds(bounds));
+            match self.structures {
+                Some(_) => places.push((mesh, place.relative_from_own())),
+                None => boxes.push(place.bounds(bounds)),
+            }
             records.push(InstanceRecord {
                 own_from_relative: place.own_from_relative,
                 root: placed.root,
@@ -210,7 +222,13 @@ impl RayScene {
                 padding1: 0,
             });
         }
-        let (nodes, order) = mesh::wide(&boxes, Quality::Dynamic);
+        let (nodes, order) = match &mut self.structures {
+            Some(structures) => {
+                self.generation += u64::from(structures.update(device, encoder, places.into_iter())?);
+                (Vec::new(), (0..records.len() as u32).collect())
+            }
+            None => mesh::wide(&boxes, Quality::Dynamic),
+        };
         let first = 1 + nodes.len() * RECORD;
         let bytes = (first + records.len() * RECORD) as u64 * VEC4;
         self.generation += u64::from(self.top.reserve(device, None, bytes, 0)?);
@@ -233,6 +251,11 @@ impl RayScene {
     /// Bytes of GPU memory held.
     pub fn bytes(&self) -> u64 {
         [&self.nodes, &self.geometry, &self.top].map(|b| b.buffer.size()).iter().sum()
+    }
+
+    /// The adapter's top level, of [`RayTier::Query`].
+    pub fn top_level(&self) -> Option<&wgpu::Tlas> {
+        self.structures.as_ref().map(|s| &s.top)
     }
 
     /// Nodes, triangles with vertices, and the top level, for bindings 0 to 2 of `rays_software.wgsl`.
@@ -277,6 +300,14 @@ impl Place {
             return Err("shrinks or moves it too far");
         }
         Ok(Self { matrix, translation, own_from_relative })
+    }
+
+    /// Rows of the transform from the mesh's own space to that relative to the camera.
+    fn relative_from_own(&self) -> [f32; 12] {
+        let row = |i| self.matrix.row(i).extend(self.translation[i]).as_vec4().to_array();
+        let mut rows = [0.0; 12];
+        rows.as_chunks_mut::<4>().0.copy_from_slice(&[row(0), row(1), row(2)]);
+        rows
     }
 
     /// A box around the mesh's own, relative to the camera, with room for the rounding of rays that are carried into the

@@ -2,14 +2,15 @@
 
 use crate::harness::{device, noise};
 use deferred_aa::glam::{Affine3A, DAffine3, DVec3, Mat3, Quat, Vec3, vec3};
-use deferred_aa::rays::{self, BottomLevel, Instance, Mesh, MeshId, RayError, RayScene};
+use deferred_aa::rays::{self, BottomLevel, Instance, Mesh, MeshId, RayError, RayScene, RayTier};
 use deferred_aa::reference::rays::{self as twin, Ray};
 use deferred_aa::{TextureTier, wgpu};
-use deferred_aa_demo::gpu::Gpu;
+use deferred_aa_demo::gpu::{self, Gpu};
 use insta::assert_snapshot;
 
+const NODES: &str = "@group(0) @binding(0) var<storage, read> daa_ray_nodes: array<vec4u>;";
+const TLAS: &str = "@group(0) @binding(0) var daa_ray_tlas: acceleration_structure;";
 const KERNEL: &str = "
-@group(0) @binding(0) var<storage, read> daa_ray_nodes: array<vec4u>;
 @group(0) @binding(1) var<storage, read> daa_ray_geometry: array<vec4u>;
 @group(0) @binding(2) var<storage, read> daa_ray_top: array<vec4u>;
 @group(0) @binding(3) var<storage, read> rays: array<DaaRay>;
@@ -58,10 +59,28 @@ struct Tracer {
     pipelines: [wgpu::ComputePipeline; 2],
 }
 
+/// Runs a test on each tier that the adapter has; says so where it has no ray query.
+fn on_each_tier(test: impl Fn(Tracer)) {
+    test(Tracer::new(RayTier::Software));
+    let adapter = gpu::choose(std::env::var("WGPU_ADAPTER_NAME").ok().as_deref()).expect("tests need an adapter");
+    if adapter.features().contains(rays::QUERY_FEATURES) {
+        test(Tracer::new(RayTier::Query));
+    } else {
+        eprintln!("skipped: the adapter has no ray query");
+    }
+}
+
 impl Tracer {
-    fn new() -> Self {
-        let gpu = device(TextureTier::None);
-        let source = format!("{}\n{KERNEL}", rays::SOFTWARE_WGSL);
+    fn new(tier: RayTier) -> Self {
+        let (gpu, source) = match tier {
+            RayTier::Software => (device(TextureTier::None), format!("{}\n{NODES}{KERNEL}", rays::SOFTWARE_WGSL)),
+            RayTier::Query => {
+                let adapter = gpu::choose(std::env::var("WGPU_ADAPTER_NAME").ok().as_deref()).expect("an adapter");
+                let limits = wgpu::Limits::default().using_minimum_supported_acceleration_structure_values();
+                let gpu = Gpu::with(adapter, rays::QUERY_FEATURES, limits).expect("a device");
+                (gpu, format!("enable wgpu_ray_query;\n{}\n{TLAS}{KERNEL}", rays::QUERY_WGSL))
+            }
+        };
         let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("rays"),
             source: wgpu::ShaderSource::Wgsl(source.into()),
@@ -80,7 +99,7 @@ impl Tracer {
             })
         });
         assert_eq!(gpu.take_errors(), Vec::<String>::new());
-        let scene = RayScene::new(&gpu.device);
+        let scene = RayScene::new(&gpu.device, tier);
         Self { gpu, scene, pipelines }
     }
 
@@ -94,7 +113,14 @@ impl Tracer {
 
     fn place(&mut self, instances: &[(MeshId, Affine3A)], camera: Vec3) {
         let instances: Vec<_> = instances.iter().map(|&(mesh, world)| instance(mesh, world)).collect();
-        self.scene.update(&self.gpu.device, &self.gpu.queue, &instances, camera).unwrap();
+        self.update(&instances, camera).unwrap();
+    }
+
+    fn update(&mut self, instances: &[Instance], camera: Vec3) -> Result<(), RayError> {
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        self.scene.update(&self.gpu.device, &self.gpu.queue, &mut encoder, instances, camera)?;
+        self.gpu.queue.submit([encoder.finish()]);
+        Ok(())
     }
 
     fn trace(&self, rays: &[GpuRay], any: bool) -> Vec<GpuHit> {
@@ -115,10 +141,11 @@ impl Tracer {
         });
         let pipeline = &self.pipelines[usize::from(any)];
         let [nodes, geometry, top] = self.scene.buffers();
-        let buffers = [nodes, geometry, top, &input, &output];
+        let first = self.scene.top_level().map_or(nodes.as_entire_binding(), wgpu::Tlas::as_binding);
+        let others = [geometry, top, &input, &output].map(wgpu::Buffer::as_entire_binding);
         let entries: Vec<_> = (0..)
-            .zip(buffers)
-            .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
+            .zip([first].into_iter().chain(others))
+            .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource })
             .collect();
         let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("rays"),
@@ -227,7 +254,10 @@ fn assert_as_twin(tracer: &Tracer, triangles: &[[DVec3; 3]], owners: &[(u32, u32
 /// Shrunk, mirrored, sheared, turned: t is that of the world in all.
 #[test]
 fn hits_are_those_of_every_triangle_in_f64() {
-    let mut tracer = Tracer::new();
+    on_each_tier(hits_are_those_of_every_triangle_in_f64_on);
+}
+
+fn hits_are_those_of_every_triangle_in_f64_on(mut tracer: Tracer) {
     let mut seed = 1;
     let soup: Vec<[f32; 3]> = (0..150)
         .flat_map(|_| {
@@ -284,7 +314,10 @@ fn hits_are_those_of_every_triangle_in_f64() {
 /// Row 14: rays from inside, many of them at vertices and at the middles of edges.
 #[test]
 fn no_ray_escapes_a_closed_mesh() {
-    let mut tracer = Tracer::new();
+    on_each_tier(no_ray_escapes_a_closed_mesh_on);
+}
+
+fn no_ray_escapes_a_closed_mesh_on(mut tracer: Tracer) {
     let (positions, indices) = sphere(4, 0.15);
     let id = tracer.add(&positions, &indices);
     for (scale, shear) in [(1.0, 0.0), (1e-3, 0.6), (1e6, -2.0)] {
@@ -314,7 +347,10 @@ fn no_ray_escapes_a_closed_mesh() {
 /// Row 15: rays along the axes from points on the planes of boxes.
 #[test]
 fn rays_along_axes_meet_what_lies_on_their_planes() {
-    let mut tracer = Tracer::new();
+    on_each_tier(rays_along_axes_meet_what_lies_on_their_planes_on);
+}
+
+fn rays_along_axes_meet_what_lies_on_their_planes_on(mut tracer: Tracer) {
     // A floor of 16 × 16 quads at whole coordinates, as two triangles each.
     let positions: Vec<_> = (0..17 * 17).map(|i| [(i % 17) as f32, 0.0, (i / 17) as f32]).collect();
     let quad = |i: u32| {
@@ -338,7 +374,10 @@ fn rays_along_axes_meet_what_lies_on_their_planes() {
 /// Row 16, and scenes of nothing, one triangle, and many.
 #[test]
 fn empty_scenes_single_triangles_and_degenerate_ones() {
-    let mut tracer = Tracer::new();
+    on_each_tier(empty_scenes_single_triangles_and_degenerate_ones_on);
+}
+
+fn empty_scenes_single_triangles_and_degenerate_ones_on(mut tracer: Tracer) {
     let forward = [ray(vec3(0.2, 0.2, 1.0), -Vec3::Z)];
     assert_eq!(tracer.trace(&forward, false)[0].instance, MISS);
     let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [2.0, 0.0, 0.0]];
@@ -360,31 +399,33 @@ fn empty_scenes_single_triangles_and_degenerate_ones() {
 /// A transform that can't be undone is refused, by the instance and its mesh, and the frame before stays.
 #[test]
 fn instances_that_cannot_be_traced_are_refused() {
-    let mut tracer = Tracer::new();
+    on_each_tier(instances_that_cannot_be_traced_are_refused_on);
+}
+
+fn instances_that_cannot_be_traced_are_refused_on(mut tracer: Tracer) {
     let id = tracer.add(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[0, 1, 2]);
     tracer.place(&[(id, Affine3A::IDENTITY)], Vec3::ZERO);
     let mut refused = |world| {
         let instances = [instance(id, Affine3A::IDENTITY), instance(id, world)];
-        tracer.scene.update(&tracer.gpu.device, &tracer.gpu.queue, &instances, Vec3::ZERO).unwrap_err()
+        tracer.update(&instances, Vec3::ZERO).unwrap_err()
     };
     assert_snapshot!(refused(Affine3A::from_scale(vec3(1.0, 0.0, 1.0))), @"instance 1 (mesh 'mesh') has a transform that flattens it; leave it out of the frame's instances");
     assert_snapshot!(refused(Affine3A::from_translation(vec3(f32::NAN, 0.0, 0.0))), @"instance 1 (mesh 'mesh') has a transform that is not finite; leave it out of the frame's instances");
     assert_snapshot!(refused(Affine3A::from_scale(Vec3::splat(1e-20))), @"instance 1 (mesh 'mesh') has a transform that shrinks or moves it too far; leave it out of the frame's instances");
-    let other = RayScene::new(&tracer.gpu.device).update(
-        &tracer.gpu.device,
-        &tracer.gpu.queue,
-        &[instance(id, Affine3A::IDENTITY)],
-        Vec3::ZERO,
-    );
-    assert!(matches!(other, Err(RayError::NoMesh { instance: 0, mesh: 0, meshes: 0 })), "{other:?}");
     assert_eq!(tracer.trace(&[ray(vec3(0.2, 0.2, 1.0), -Vec3::Z)], false)[0].t, 1.0);
+    tracer.scene = RayScene::new(&tracer.gpu.device, RayTier::Software);
+    let other = tracer.update(&[instance(id, Affine3A::IDENTITY)], Vec3::ZERO);
+    assert!(matches!(other, Err(RayError::NoMesh { instance: 0, mesh: 0, meshes: 0 })), "{other:?}");
     assert_eq!(tracer.gpu.take_errors(), Vec::<String>::new());
 }
 
 /// Moving instances leaves every buffer where it is, once there was room for them.
 #[test]
 fn a_steady_frame_keeps_its_buffers() {
-    let mut tracer = Tracer::new();
+    on_each_tier(a_steady_frame_keeps_its_buffers_on);
+}
+
+fn a_steady_frame_keeps_its_buffers_on(mut tracer: Tracer) {
     let (positions, indices) = sphere(0, 0.0);
     let id = tracer.add(&positions, &indices);
     let at = |frame: f32| -> Vec<_> {
@@ -405,7 +446,10 @@ fn a_steady_frame_keeps_its_buffers() {
 /// Row 18: the scene and the camera moved far from the origin.
 #[test]
 fn a_world_far_away_is_traced_alike() {
-    let mut tracer = Tracer::new();
+    on_each_tier(a_world_far_away_is_traced_alike_on);
+}
+
+fn a_world_far_away_is_traced_alike_on(mut tracer: Tracer) {
     let (positions, indices) = sphere(2, 0.1);
     let id = tracer.add(&positions, &indices);
     let mut seed = 11;
