@@ -23,3 +23,25 @@ struct DaaHit {
 }
 
 const DAA_MISS: u32 = 0xffffffffu;
+
+/// Of an instance's flags: `daa_ray_solid` is asked.
+const DAA_RAY_MASKED: u32 = 1u;
+
+/// Where a triangle's interpolated uv is.
+fn daa_ray_uv(attributes: vec3u, barycentrics: vec2f) -> vec2f {
+    let a = bitcast<vec2f>(daa_ray_geometry[attributes.x].zw);
+    let b = bitcast<vec2f>(daa_ray_geometry[attributes.y].zw);
+    let c = bitcast<vec2f>(daa_ray_geometry[attributes.z].zw);
+    return a + (b - a) * barycentrics.x + (c - a) * barycentrics.y;
+}
+
+/// Whether a triangle that a ray meets stops it. `names` and `more` are the last two vec4s of its instance's record.
+fn daa_ray_stops(names: vec4u, more: vec4u, corners: vec3u, barycentrics: vec2f, front: bool, through: u32) -> bool {
+    if !front && more.y == through {
+        return false;
+    }
+    if (more.w & DAA_RAY_MASKED) == 0u {
+        return true;
+    }
+    return daa_ray_solid(more.x, daa_ray_uv(corners + names.w, barycentrics));
+}

@@ -1,6 +1,6 @@
 // rays_software: traversal without hardware. Two levels of eight-way compressed nodes (Ylitie, Karras, Laine 2017, in obvhs's
 // layout), boxes tested with room for rounding (Ize 2013), triangles watertight (Woop, Benthin, Wald 2013).
-// Joined with rays.wgsl; the module declares daa_ray_nodes, daa_ray_geometry and daa_ray_top.
+// Joined with rays.wgsl; the module declares daa_ray_nodes, daa_ray_geometry, daa_ray_top and daa_ray_solid.
 // CPU twin: src/reference/rays.rs, by brute force.
 
 /// Of each level at most one group waits, of an instance that is entered two more: see src/rays/mesh.rs.
@@ -143,8 +143,9 @@ fn daa_triangle(s: DaaShear, t_min: f32, t_max: f32, a: vec3f, b: vec3f, c: vec3
     return DaaTriangleHit(t, vec2f(v, w) / area, area > 0.0);
 }
 
-/// The first hit of the ray; with `any`, whichever comes first in the tree.
-fn daa_trace(ray: DaaRay, any: bool) -> DaaHit {
+/// The first hit of the ray; with `any`, whichever comes first in the tree. Triangles of the object `through` that are seen
+/// from behind do not count: DAA_MISS if all do.
+fn daa_trace(ray: DaaRay, any: bool, through: u32) -> DaaHit {
     var hit = DaaHit(ray.t_max, DAA_MISS, 0u, 0u, vec2f(0.0));
     if daa_ray_top[0].y == 0u {
         return hit;
@@ -157,7 +158,8 @@ fn daa_trace(ray: DaaRay, any: bool) -> DaaHit {
     var height = 0u;
     // Below this height the stack is the top level's; DAA_MISS while in it.
     var entry = DAA_MISS;
-    var instance = 0u;
+    var names: vec4u;
+    var more: vec4u;
     var nodes = vec2u(0u, DAA_RAY_ROOT);
     var leaves = vec2u(0u);
     loop {
@@ -180,8 +182,8 @@ fn daa_trace(ray: DaaRay, any: bool) -> DaaHit {
                 let x = bitcast<vec4f>(daa_ray_top[at]);
                 let y = bitcast<vec4f>(daa_ray_top[at + 1u]);
                 let z = bitcast<vec4f>(daa_ray_top[at + 2u]);
-                let names = daa_ray_top[at + 3u];
-                instance = names.y;
+                names = daa_ray_top[at + 3u];
+                more = daa_ray_top[at + 4u];
                 let o = vec4f(ray.origin, 1.0);
                 let origin = vec3f(dot(x, o), dot(y, o), dot(z, o));
                 let d = ray.direction;
@@ -196,8 +198,8 @@ fn daa_trace(ray: DaaRay, any: bool) -> DaaHit {
                 let b = bitcast<vec3f>(daa_ray_geometry[corners.y].xyz) - space.origin;
                 let c = bitcast<vec3f>(daa_ray_geometry[corners.z].xyz) - space.origin;
                 let found = daa_triangle(shear, ray.t_min, hit.t, a, b, c);
-                if found.t < hit.t {
-                    hit = DaaHit(found.t, instance, corners.w, u32(found.front), found.barycentrics);
+                if found.t < hit.t && daa_ray_stops(names, more, corners.xyz, found.barycentrics, found.front, through) {
+                    hit = DaaHit(found.t, names.y, corners.w, u32(found.front), found.barycentrics);
                     if any {
                         return hit;
                     }

@@ -46,6 +46,7 @@ mod listed;
 mod max_filter;
 mod metrics;
 mod node;
+mod octahedral;
 mod pipeline;
 mod plan;
 pub mod rays;

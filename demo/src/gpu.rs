@@ -84,10 +84,19 @@ impl Gpu {
 
     /// A device with exactly these features and limits.
     pub fn with(adapter: wgpu::Adapter, features: wgpu::Features, limits: wgpu::Limits) -> Result<Self, GpuError> {
+        // SAFETY: asked for only with a feature that is behind it. Its structures are built by this crate from checked
+        // meshes, before any ray is traced.
+        #[expect(unsafe_code)]
+        let experimental_features = if features.intersects(wgpu::Features::all_experimental_mask()) {
+            unsafe { wgpu::ExperimentalFeatures::enabled() }
+        } else {
+            wgpu::ExperimentalFeatures::disabled()
+        };
         let request = adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("deferred-aa-demo"),
             required_features: features,
             required_limits: limits,
+            experimental_features,
             ..Default::default()
         });
         let (device, queue) = pollster::block_on(request).map_err(|e| GpuError::Device {

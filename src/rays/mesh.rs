@@ -1,5 +1,6 @@
 //! The bottom level: one mesh's triangles in a wide, compressed BVH (Ylitie, Karras, Laine 2017), built by `obvhs`.
 
+use super::attributes::{self, Attributes};
 use super::{RayError, STACK};
 use glam::{DVec3, Vec3, Vec3A};
 use obvhs::aabb::Aabb;
@@ -21,6 +22,10 @@ pub struct Mesh<'a> {
     pub positions: &'a [[f32; 3]],
     /// Three a triangle.
     pub indices: &'a [u32],
+    /// What hits are shaded from, one a vertex; empty if rays are only asked whether they hit.
+    pub attributes: &'a [Attributes],
+    /// Its material has holes: `daa_ray_solid` is asked at each triangle that a ray meets. Needs attributes.
+    pub masked: bool,
 }
 
 /// A mesh ready for rays: built once, on any thread, and shared by all of its instances.
@@ -32,6 +37,9 @@ pub struct BottomLevel {
     /// In the order of the leaves: three vertices and the triangle's place in the mesh.
     pub(super) triangles: Vec<[u32; 4]>,
     pub(super) positions: Vec<[f32; 3]>,
+    /// As `daa_ray_geometry` has them, and the host's 32 bits.
+    pub(super) attributes: Vec<([u32; 4], u32)>,
+    pub(super) masked: bool,
     pub(super) bounds: Option<[Vec3; 2]>,
     dropped: u32,
 }
@@ -50,6 +58,13 @@ impl BottomLevel {
         }
         if let Some(at) = mesh.indices.iter().position(|&i| i as usize >= vertices) {
             return Err(RayError::Index { mesh: name.into(), at, index: mesh.indices[at], vertices });
+        }
+        let wanted = if mesh.masked || !mesh.attributes.is_empty() { vertices } else { 0 };
+        if mesh.attributes.len() != wanted {
+            return Err(RayError::Attributes { mesh: name.into(), attributes: mesh.attributes.len(), vertices });
+        }
+        if let Some(vertex) = mesh.attributes.iter().position(|a| !a.is_finite()) {
+            return Err(RayError::Attribute { mesh: name.into(), vertex });
         }
         let all = mesh.indices.as_chunks::<3>().0;
         let corners = |t: &[u32; 3]| t.map(|i| mesh.positions[i as usize]);
@@ -72,6 +87,8 @@ impl BottomLevel {
             nodes,
             triangles: triangles.collect(),
             positions: mesh.positions.to_vec(),
+            attributes: mesh.attributes.iter().map(|a| (attributes::packed(a), a.user)).collect(),
+            masked: mesh.masked,
             bounds,
             dropped: (all.len() - kept.len()) as u32,
         })
@@ -193,7 +210,7 @@ mod tests {
     use insta::assert_snapshot;
 
     fn mesh<'a>(positions: &'a [[f32; 3]], indices: &'a [u32]) -> Mesh<'a> {
-        Mesh { name: "chair", positions, indices }
+        Mesh { name: "chair", positions, indices, attributes: &[], masked: false }
     }
 
     const CORNERS: [[f32; 3]; 4] = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [2.0, 0.0, 0.0]];

@@ -1,7 +1,8 @@
 //! The top level, and both levels on the GPU.
 
-use super::RayError;
 use super::mesh::{self, BottomLevel, MAX_COORDINATE, Quality};
+use super::query::Structures;
+use super::{RayError, RayTier};
 use glam::{Affine3A, DMat3, DVec3, Vec3};
 use obvhs::aabb::Aabb;
 use obvhs::cwbvh::node::CwBvhNode;
@@ -37,11 +38,13 @@ pub(crate) struct InstanceRecord {
     pub index: u32,
     /// Of the mesh, among the vec4s of the geometry.
     pub first_triangle: u32,
-    pub padding: u32,
+    /// From a vertex to its attributes, 0 if it has none.
+    pub attributes: u32,
     pub material: u32,
     pub object: u32,
     pub user: u32,
-    pub padding1: u32,
+    /// Bit 0: its material has holes.
+    pub flags: u32,
 }
 
 /// The host's meshes and instances, ready for rays.
@@ -53,6 +56,8 @@ pub struct RayScene {
     nodes: Growing,
     geometry: Growing,
     top: Growing,
+    /// Of [`RayTier::Query`].
+    structures: Option<Structures>,
     meshes: Vec<Placed>,
     /// Vec4s used of `nodes` and `geometry`.
     used: [u64; 2],
@@ -68,6 +73,8 @@ struct Placed {
     name: String,
     root: u32,
     first_triangle: u32,
+    attributes: u32,
+    masked: bool,
     bounds: Option<[Vec3; 2]>,
 }
 
@@ -123,12 +130,13 @@ const _: () = assert!(size_of::<InstanceRecord>() == RECORD * VEC4 as usize);
 const _: () = assert!(size_of::<CwBvhNode>() == RECORD * VEC4 as usize);
 
 impl RayScene {
-    /// An empty scene: every ray misses.
-    pub fn new(device: &wgpu::Device) -> Self {
+    /// An empty scene: every ray misses, once it is [`update`](Self::update)d.
+    pub fn new(device: &wgpu::Device, tier: RayTier) -> Self {
         Self {
             nodes: Growing::new(device, "nodes"),
             geometry: Growing::new(device, "triangles and vertices"),
             top: Growing::new(device, "instances"),
+            structures: (tier == RayTier::Query).then(|| Structures::new(device)),
             meshes: Vec::new(),
             used: [0, 0],
             instances: 0,
@@ -137,7 +145,8 @@ impl RayScene {
         }
     }
 
-    /// Uploads a mesh. `encoder` holds a copy if buffers had to grow; submit it before rays are traced.
+    /// Uploads a mesh. `encoder` holds copies where buffers had to grow, and the adapter's builds: submit it before rays are
+    /// traced.
     pub fn add(
         &mut self,
         device: &wgpu::Device,
@@ -148,10 +157,13 @@ impl RayScene {
         let [nodes, geometry] = self.used;
         let (root, first_triangle) = (nodes / RECORD as u64, geometry);
         let first_vertex = geometry + mesh.triangles.len() as u64;
-        let end = first_vertex + mesh.positions.len() as u64;
-        let nodes_end = nodes + (mesh.nodes.len() * RECORD) as u64;
+        let vertices = mesh.positions.len();
+        let end = first_vertex + (vertices + mesh.attributes.len()) as u64;
+        // The adapter has nodes of its own.
+        let own_nodes = if self.structures.is_some() { &[][..] } else { &mesh.nodes };
+        let nodes_end = nodes + (own_nodes.len() * RECORD) as u64;
 
-        let mut relocated = mesh.nodes.clone();
+        let mut relocated = own_nodes.to_vec();
         for node in &mut relocated {
             node.child_base_idx += root as u32;
             node.primitive_base_idx += first_triangle as u32;
@@ -160,14 +172,22 @@ impl RayScene {
             let [a, b, c] = [a, b, c].map(|v| v + first_vertex as u32);
             [a, b, c, id]
         });
-        let vertices = mesh.positions.iter().map(|p| [p[0].to_bits(), p[1].to_bits(), p[2].to_bits(), 0]);
-        let records: Vec<[u32; 4]> = triangles.chain(vertices).collect();
+        let user = |i: usize| mesh.attributes.get(i).map_or(0, |(_, user)| *user);
+        let positions = mesh.positions.iter().enumerate().map(|(i, p)| {
+            let [x, y, z] = p.map(f32::to_bits);
+            [x, y, z, user(i)]
+        });
+        let attributes = mesh.attributes.iter().map(|&(packed, _)| packed);
+        let records: Vec<[u32; 4]> = triangles.chain(positions).chain(attributes).collect();
 
         // Counted one by one: the first may be another one even where the second finds no room.
         let grown = self.nodes.reserve(device, Some(&mut *encoder), nodes_end * VEC4, nodes * VEC4)?;
         self.generation += u64::from(grown);
-        let grown = self.geometry.reserve(device, Some(encoder), end * VEC4, geometry * VEC4)?;
+        let grown = self.geometry.reserve(device, Some(&mut *encoder), end * VEC4, geometry * VEC4)?;
         self.generation += u64::from(grown);
+        if let Some(structures) = &mut self.structures {
+            structures.add(device, queue, encoder, mesh)?;
+        }
         queue.write_buffer(&self.nodes.buffer, nodes * VEC4, bytemuck::cast_slice(&relocated));
         queue.write_buffer(&self.geometry.buffer, geometry * VEC4, bytemuck::cast_slice(&records));
         self.used = [nodes_end, end];
@@ -175,24 +195,27 @@ impl RayScene {
             name: mesh.name.clone(),
             root: root as u32,
             first_triangle: first_triangle as u32,
+            attributes: if mesh.attributes.is_empty() { 0 } else { vertices as u32 },
+            masked: mesh.masked,
             bounds: mesh.bounds,
         });
         Ok(MeshId(self.meshes.len() as u32 - 1))
     }
 
     /// Sets the frame's instances. `camera` is the camera's position in the world: rays are traced relative to it, so that
-    /// worlds may be large. What was there before stays if it fails.
+    /// worlds may be large. `encoder` holds the adapter's build. What was there before stays if it fails.
     pub fn update(
         &mut self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
+        encoder: &mut wgpu::CommandEncoder,
         instances: &[Instance],
         camera: Vec3,
     ) -> Result<(), RayError> {
         if instances.len() > MAX_INSTANCES {
             return Err(RayError::Instances { instances: instances.len(), limit: MAX_INSTANCES });
         }
-        let (mut boxes, mut records) = (Vec::with_capacity(instances.len()), Vec::with_capacity(instances.len()));
+        let (mut boxes, mut records, mut places) = (Vec::new(), Vec::new(), Vec::new());
         for (index, instance) in instances.iter().enumerate() {
             let (mesh, meshes) = (instance.mesh.0, self.meshes.len());
             let placed = self.meshes.get(mesh as usize).ok_or(RayError::NoMesh { instance: index, mesh, meshes })?;
@@ -202,23 +225,33 @@ impl RayScene {
                 why,
             })?;
             let Some(bounds) = placed.bounds else { continue };
-            boxes.push(place.bounds(bounds));
+            match self.structures {
+                Some(_) => places.push((mesh, place.relative_from_own())),
+                None => boxes.push(place.bounds(bounds)),
+            }
             records.push(InstanceRecord {
                 own_from_relative: place.own_from_relative,
                 root: placed.root,
                 index: index as u32,
                 first_triangle: placed.first_triangle,
-                padding: 0,
+                attributes: placed.attributes,
                 material: instance.material,
                 object: instance.object,
                 user: instance.user,
-                padding1: 0,
+                flags: u32::from(placed.masked),
             });
         }
-        let (nodes, order) = mesh::wide(&boxes, Quality::Dynamic);
+        let (nodes, order) = match self.structures {
+            Some(_) => (Vec::new(), (0..records.len() as u32).collect()),
+            None => mesh::wide(&boxes, Quality::Dynamic),
+        };
         let first = 1 + nodes.len() * RECORD;
         let bytes = (first + records.len() * RECORD) as u64 * VEC4;
-        self.generation += u64::from(self.top.reserve(device, None, bytes, 0)?);
+        let grown = self.top.reserve(device, None, bytes, 0)?;
+        self.generation += u64::from(grown);
+        if let Some(structures) = &mut self.structures {
+            self.generation += u64::from(structures.update(device, encoder, &places)?);
+        }
         self.upload.clear();
         self.upload.push([first as u32, records.len() as u32, 0, 0]);
         self.upload.extend_from_slice(bytemuck::cast_slice(&nodes));
@@ -238,6 +271,11 @@ impl RayScene {
     /// Bytes of GPU memory held.
     pub fn bytes(&self) -> u64 {
         [&self.nodes, &self.geometry, &self.top].map(|b| b.buffer.size()).iter().sum()
+    }
+
+    /// The adapter's top level, of [`RayTier::Query`].
+    pub fn top_level(&self) -> Option<&wgpu::Tlas> {
+        self.structures.as_ref().map(|s| &s.top)
     }
 
     /// Nodes, triangles with vertices, and the top level, for bindings 0 to 2 of `rays_software.wgsl`.
@@ -282,6 +320,14 @@ impl Place {
             return Err("shrinks or moves it too far");
         }
         Ok(Self { matrix, translation, own_from_relative })
+    }
+
+    /// Rows of the transform from the mesh's own space to that relative to the camera.
+    fn relative_from_own(&self) -> [f32; 12] {
+        let row = |i| self.matrix.row(i).extend(self.translation[i]).as_vec4().to_array();
+        let mut rows = [0.0; 12];
+        rows.as_chunks_mut::<4>().0.copy_from_slice(&[row(0), row(1), row(2)]);
+        rows
     }
 
     /// A box around the mesh's own, relative to the camera, with room for the rounding of rays that are carried into the

@@ -1,0 +1,39 @@
+// rays_query: traversal by the adapter's ray query. The functions of rays_software.wgsl.
+// Joined with rays.wgsl; the module declares daa_ray_tlas, daa_ray_geometry, daa_ray_top and daa_ray_solid.
+
+/// Vec4s of an instance.
+const DAA_RAY_RECORD: u32 = 5u;
+/// Bits of RayDesc::flags.
+const DAA_RAY_FORCE_NO_OPAQUE: u32 = 2u;
+const DAA_RAY_TERMINATE_ON_FIRST_HIT: u32 = 4u;
+
+fn daa_trace(ray: DaaRay, any: bool, through: u32) -> DaaHit {
+    var hit = DaaHit(ray.t_max, DAA_MISS, 0u, 0u, vec2f(0.0));
+    let instances = daa_ray_top[0].x;
+    if daa_ray_top[0].y == 0u {
+        return hit;
+    }
+    // Only triangles that are not opaque are asked about.
+    let flags = select(0u, DAA_RAY_TERMINATE_ON_FIRST_HIT, any) | select(0u, DAA_RAY_FORCE_NO_OPAQUE, through != DAA_MISS);
+    var query: ray_query;
+    rayQueryInitialize(&query, daa_ray_tlas, RayDesc(flags, 0xffu, ray.t_min, ray.t_max, ray.origin, ray.direction));
+    while rayQueryProceed(&query) {
+        let found = rayQueryGetCandidateIntersection(&query);
+        if found.kind != RAY_QUERY_INTERSECTION_TRIANGLE {
+            continue;
+        }
+        let at = instances + found.instance_custom_data * DAA_RAY_RECORD;
+        let names = daa_ray_top[at + 3u];
+        let corners = daa_ray_geometry[names.z + found.primitive_index];
+        if daa_ray_stops(names, daa_ray_top[at + 4u], corners.xyz, found.barycentrics, found.front_face, through) {
+            rayQueryConfirmIntersection(&query);
+        }
+    }
+    let found = rayQueryGetCommittedIntersection(&query);
+    if found.kind == RAY_QUERY_INTERSECTION_TRIANGLE {
+        let names = daa_ray_top[instances + found.instance_custom_data * DAA_RAY_RECORD + 3u];
+        let corners = daa_ray_geometry[names.z + found.primitive_index];
+        hit = DaaHit(found.t, names.y, corners.w, u32(found.front_face), found.barycentrics);
+    }
+    return hit;
+}
