@@ -3,7 +3,7 @@
 
 use deferred_aa::glam::{Mat4, Vec3, camera::rh::proj::directx};
 use deferred_aa::wgpu::{self, BindingType, BufferBindingType, util::DeviceExt as _};
-use deferred_aa::{Camera, DeferredAa, Descriptor, Frame, GBuffer, Settings, Shading, Statistics, TextureTier};
+use deferred_aa::{Camera, DeferredAa, Descriptor, Frame, GBuffer, Settings, Shading, Statistics};
 
 pub const SIZE: wgpu::Extent3d = wgpu::Extent3d { width: 256, height: 192, depth_or_array_layers: 1 };
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
@@ -43,7 +43,7 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
 pub fn render(settings: Settings) -> Result<(Vec<u8>, Statistics), Box<dyn std::error::Error>> {
     // A device that has what the node needs.
     let shading = Shading { source: SHADING, file: "SHADING" };
-    let node = Descriptor { m: 4, target_format: FORMAT, shading, textures: TextureTier::None, texture_capacity: 0 };
+    let node = Descriptor::new(FORMAT, shading);
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
     let adapter = pollster::block_on(instance.request_adapter(&Default::default()))?;
     let needs = DeferredAa::requirements(&adapter, &node);
@@ -105,7 +105,7 @@ pub fn render(settings: Settings) -> Result<(Vec<u8>, Statistics), Box<dyn std::
     pass.draw(0..3, 0..11);
     drop(pass);
     let (host_bind_group, target) = (Some(&lighting), &image.create_view(&Default::default()));
-    let frame = Frame { camera, settings, exposure: 1.0, host_bind_group, textures: None, target, statistics: true };
+    let frame = Frame { settings, host_bind_group, statistics: true, ..Frame::new(camera, target) };
     aa.record(&queue, &mut encoder, &frame)?;
     let size = u64::from(SIZE.width * SIZE.height * 4);
     let usage = wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ;

@@ -56,16 +56,14 @@ fn daa_squared_errors(pixel: vec2u, k: u32, k_below: u32) -> vec2f {
     return vec2f(error, max(error, daa_squared_distance(daa_mean_finish(below), all)));
 }
 
-/// A workgroup audits the tile of its row that is in phase. Rows are shifted by 11, so that no column is left out for long.
+/// A workgroup audits the tile of its row that is in phase.
 @compute @workgroup_size(64)
 fn daa_audit_main(
     @builtin(workgroup_id) group: vec3u,
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) lane: u32,
 ) {
-    let period = daa_frame.audit_period;
-    let phase = (daa_frame.audit_phase + 11u * (period - group.y % period)) % period;
-    let tile = vec2u(group.x * period + phase, group.y);
+    let tile = daa_audited_tile(group.xy);
     let pixel = tile * 8u + vec2u(lane & 7u, lane >> 3u);
     var errors = vec2f(0.0);
     if all(pixel < daa_frame.size) {

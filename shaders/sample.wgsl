@@ -9,6 +9,20 @@
 /// Depths below are the sky. Above every denormal, so that flushing them changes nothing.
 const DAA_SKY_DEPTH: f32 = 1e-30;
 
+/// A sample's place among all, rank by rank and tile by tile.
+fn daa_sample_index(pixel: vec2u, rank: u32) -> u32 {
+    let tile = (pixel.y >> 3u) * daa_frame.tiles_x + (pixel.x >> 3u);
+    let tiles = daa_frame.tiles_x * ((daa_frame.size.y + 7u) >> 3u);
+    return (rank * tiles + tile) * 64u + (pixel.y & 7u) * 8u + (pixel.x & 7u);
+}
+
+/// The audited tile of a workgroup; rows are shifted by 11, so that no column is left out for long. x may lie beyond the row.
+fn daa_audited_tile(group: vec2u) -> vec2u {
+    let period = daa_frame.audit_period;
+    let phase = (daa_frame.audit_phase + 11u * (period - group.y % period)) % period;
+    return vec2u(group.x * period + phase, group.y);
+}
+
 /// A rank's place in its window.
 fn daa_order(rank: u32) -> vec2u {
     let code = daa_frame.order[rank >> 2u][rank & 3u];
@@ -52,7 +66,7 @@ fn daa_fetch(pixel: vec2u, rank: u32, footprint: f32, offset: vec2f) -> DaaSampl
     s.uv = bitcast<vec2f>(uv.xy) + ddx * offset.x + ddy * offset.y;
     s.ddx = ddx * footprint;
     s.ddy = ddy * footprint;
-    s.shadow = 0u;
+    s.shadow = daa_shadow_bits(pixel, rank);
     s.secondary = vec3f(0.0);
     return s;
 }

@@ -11,4 +11,6 @@ struct DaaStatistics {
     overflowed_tiles: atomic<u32>,
     /// Windows whose k was decided by: nothing, depth, normal, luminance, identity, the least allowed.
     decided: array<atomic<u32>, 6>,
+    /// Rays towards lights.
+    shadow_rays: atomic<u32>,
 }

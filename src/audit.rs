@@ -1,5 +1,6 @@
 //! audit: the error of the finished image, measured on some of its tiles.
 
+use crate::effects::Traced;
 use crate::error::PipelineError;
 use crate::pipeline::{Build, Lazy, PassInfo, Resource, entry};
 use crate::scratch::{self, Scratch};
@@ -9,6 +10,12 @@ pub(crate) const INFO: PassInfo = PassInfo {
     name: "audit",
     reads: &[Resource::GBuffer, Resource::Host, Resource::First, Resource::Plan, Resource::Color],
     writes: &[Resource::Statistics],
+};
+
+/// Where something was traced.
+pub(crate) const INFO_TRACED: PassInfo = PassInfo {
+    reads: &[Resource::GBuffer, Resource::Host, Resource::First, Resource::Plan, Resource::Color, Resource::Shadows],
+    ..INFO
 };
 
 /// Most tiles of one frame.
@@ -61,7 +68,7 @@ impl Audited {
 #[derive(Debug)]
 pub(crate) struct Audit {
     layout: wgpu::BindGroupLayout,
-    pipeline: Lazy<wgpu::ComputePipeline>,
+    pipelines: [Lazy<wgpu::ComputePipeline>; Traced::COUNT],
     /// Takes the counts of audited samples, which are nobody's.
     ignored: wgpu::Buffer,
     /// Squared errors by audited tile, as they are and with a step less of effort.
@@ -88,7 +95,7 @@ impl Audit {
         };
         Self {
             layout,
-            pipeline: Lazy::default(),
+            pipelines: Default::default(),
             ignored: buffer("daa audited statistics", COUNTER_BYTES),
             errors: buffer("daa audits", BYTES),
         }
@@ -109,10 +116,10 @@ impl Audit {
         })
     }
 
-    pub fn pipeline(&self, build: &Build) -> Result<&wgpu::ComputePipeline, PipelineError> {
-        self.pipeline.get(|| {
-            let source = build.host.join(include_str!("../shaders/audit.wgsl"));
-            build.compute(INFO.name, source, "daa_audit_main", &self.layout, true)
+    pub fn pipeline(&self, build: &Build, traced: Traced) -> Result<&wgpu::ComputePipeline, PipelineError> {
+        self.pipelines[traced.index()].get(|| {
+            let source = build.host.join(include_str!("../shaders/audit.wgsl"), traced);
+            build.compute(INFO.name, source, "daa_audit_main", &self.layout, Some(traced))
         })
     }
 

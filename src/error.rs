@@ -1,5 +1,6 @@
 //! What can go wrong, where, and what to do about it.
 
+use crate::rays::RayTier;
 use crate::settings::Execution;
 use std::fmt;
 
@@ -161,6 +162,57 @@ pub enum RecordError {
         /// Of the node.
         m: u32,
         /// Of its largest buffer, or of all if memory ran out.
+        bytes: u64,
+        /// The limit that it exceeds, or what the driver said.
+        why: String,
+    },
+    /// The frame needs rays, the node was built without.
+    #[error("the frame asks for rays, the node was built without them; set Descriptor::rays")]
+    NoRays,
+    /// The frame needs rays and brings no scene for them.
+    #[error("the frame asks for rays, but has no scene for them; set Needs::rays")]
+    NoRayScene,
+    /// The scene for rays is for another tier.
+    #[error(
+        "the scene for rays was made for RayTier::{scene:?}, the node for RayTier::{node:?}; make it with the node's tier"
+    )]
+    RayTier {
+        /// Of the scene.
+        scene: RayTier,
+        /// Of the descriptor.
+        node: RayTier,
+    },
+    /// The scene for rays was updated for another camera.
+    #[error(
+        "the scene for rays was updated for a camera at {scene}, the frame's is at {camera}; call RayScene::update with it"
+    )]
+    RayCamera {
+        /// Where the scene has it.
+        scene: glam::Vec3,
+        /// Where the frame has it.
+        camera: glam::Vec3,
+    },
+    /// More lights than bits.
+    #[error("{lights} lights cast shadows; {limit} can, so leave some out of Needs::shadows")]
+    CastingLights {
+        /// How many.
+        lights: usize,
+        /// Most.
+        limit: usize,
+    },
+    /// A light is nowhere.
+    #[error("light {0} of Needs::shadows is not finite, or has no direction")]
+    CastingLight(usize),
+    /// What rays find is too large.
+    #[error("rays at {width}×{height}, m = {m} keep {bytes} bytes: {why}; use a smaller size or m")]
+    Traces {
+        /// Of the node.
+        width: u32,
+        /// Of the node.
+        height: u32,
+        /// Of the node.
+        m: u32,
+        /// Of its buffer.
         bytes: u64,
         /// The limit that it exceeds, or what the driver said.
         why: String,

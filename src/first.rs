@@ -1,5 +1,6 @@
 //! first: shades the rank-0 sample of every window into S.
 
+use crate::effects::Traced;
 use crate::error::PipelineError;
 use crate::pipeline::{Build, Lazy, PassInfo, Resource, entry};
 use crate::scratch::Scratch;
@@ -10,10 +11,14 @@ pub(crate) const INFO: PassInfo = PassInfo {
     writes: &[Resource::First, Resource::Statistics],
 };
 
+/// Where something was traced.
+pub(crate) const INFO_TRACED: PassInfo =
+    PassInfo { reads: &[Resource::GBuffer, Resource::Host, Resource::Shadows], ..INFO };
+
 #[derive(Debug)]
 pub(crate) struct First {
     layout: wgpu::BindGroupLayout,
-    pipeline: Lazy<wgpu::ComputePipeline>,
+    pipelines: [Lazy<wgpu::ComputePipeline>; Traced::COUNT],
 }
 
 impl First {
@@ -22,7 +27,7 @@ impl First {
             label: Some("daa first"),
             entries: &[entry::store(0), entry::buffer(1, wgpu::ShaderStages::COMPUTE, false)],
         });
-        Self { layout, pipeline: Lazy::default() }
+        Self { layout, pipelines: Default::default() }
     }
 
     pub fn bind(&self, device: &wgpu::Device, scratch: &Scratch) -> wgpu::BindGroup {
@@ -36,10 +41,10 @@ impl First {
         })
     }
 
-    pub fn pipeline(&self, build: &Build) -> Result<&wgpu::ComputePipeline, PipelineError> {
-        self.pipeline.get(|| {
-            let source = build.host.join(include_str!("../shaders/first.wgsl"));
-            build.compute(INFO.name, source, "daa_first_main", &self.layout, true)
+    pub fn pipeline(&self, build: &Build, traced: Traced) -> Result<&wgpu::ComputePipeline, PipelineError> {
+        self.pipelines[traced.index()].get(|| {
+            let source = build.host.join(include_str!("../shaders/first.wgsl"), traced);
+            build.compute(INFO.name, source, "daa_first_main", &self.layout, Some(traced))
         })
     }
 }

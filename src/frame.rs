@@ -1,6 +1,7 @@
 //! What one frame needs from the host, and how it reaches the shaders.
 
 use crate::audit::Audited;
+use crate::effects::Needs;
 use crate::error::RecordError;
 use crate::settings::{DepthMeasure, LuminanceCurve, Settings, Technique, Weight};
 use crate::window;
@@ -34,9 +35,27 @@ pub struct Frame<'a> {
     /// The image goes here: the size of the node, the format of the descriptor, usage `RENDER_ATTACHMENT`. A texture that
     /// differs in sRGB alone is let through, since its view may have the right format and wgpu can't be asked.
     pub target: &'a wgpu::TextureView,
+    /// What the scene calls for; `Needs::default()` if nothing but shading.
+    pub needs: Needs<'a>,
     /// Collect [`Statistics`](crate::Statistics) of this frame: a copy of a few hundred bytes, and timestamps where the
     /// device has them.
     pub statistics: bool,
+}
+
+impl<'a> Frame<'a> {
+    /// A frame with the default settings, exposure 1, no group of the host's, no textures, no needs and no statistics.
+    pub fn new(camera: Camera, target: &'a wgpu::TextureView) -> Self {
+        Self {
+            camera,
+            settings: Settings::default(),
+            exposure: 1.0,
+            host_bind_group: None,
+            textures: None,
+            target,
+            needs: Needs::default(),
+            statistics: false,
+        }
+    }
 }
 
 /// `DaaFrame` of contract.wgsl.

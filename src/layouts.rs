@@ -2,7 +2,9 @@
 
 mod compare;
 
+use crate::effects::{CastingUniform, LightUniform, Traced};
 use crate::frame::{FrameUniform, flag};
+use crate::rays::RayTier;
 use crate::reference::metrics::By;
 use crate::scratch::{List, WORK_BYTES};
 use crate::statistics::Counters;
@@ -35,6 +37,7 @@ const SHADING: [(&str, &str); 4] = [
         ),
     ),
 ];
+const TRACE: &str = include_str!("../shaders/trace.wgsl");
 const TIERS: [TextureTier; 3] = [TextureTier::None, TextureTier::Arrays, TextureTier::Bindings];
 
 fn plain(pass: &str) -> naga::Module {
@@ -49,12 +52,19 @@ fn modules() -> Vec<(String, naga::Module)> {
     let whole = "fn shade(s: DaaSample) -> vec4f { return vec4f(s.normal, 1.0); }";
     let split = "fn material(s: DaaSample) -> DaaMaterial { return DaaMaterial(); }
         fn light(f: DaaSurface, m: DaaMaterial) -> vec4f { return m.base_color * f.coverage; }
-        fn sky(s: DaaSample) -> vec4f { return vec4f(s.view, 1.0); }";
+        fn sky(s: DaaSample) -> vec4f { return vec4f(s.view, 1.0); }
+        fn solid(material: u32, uv: vec2f) -> bool { return fract(uv.x) > 0.5; }";
     for tier in TIERS {
         for source in [whole, split] {
             let host = HostSource::check(source, "host", tier, BINDING_FEATURES).expect("a sound hook");
-            let joined = SHADING.map(|(name, pass)| (format!("{name} {tier:?}"), parse(&host.join(pass))));
-            all.extend(joined);
+            for shadows in [false, true] {
+                let joined =
+                    |(name, pass)| (format!("{name} {tier:?} {shadows}"), parse(&host.join(pass, Traced { shadows })));
+                all.extend(SHADING.map(joined));
+            }
+            for rays in [RayTier::Software, RayTier::Query] {
+                all.push((format!("trace {tier:?} {rays:?}"), parse(&host.join_traced(TRACE, rays))));
+            }
         }
     }
     all
@@ -102,9 +112,19 @@ fn every_joined_module_is_sound_and_has_the_frame() {
 
 #[test]
 fn counters_are_the_shaders() {
-    let counters = rust_layout!(Counters { histogram, not_finite, negative, overflowed_tiles, decided });
+    let counters = rust_layout!(Counters { histogram, not_finite, negative, overflowed_tiles, decided, shadow_rays });
     for (name, module) in modules() {
         assert_eq!(wgsl_layout(&module, "DaaStatistics"), counters, "{name}");
+    }
+}
+
+#[test]
+fn casting_lights_are_the_shaders() {
+    let light = rust_layout!(LightUniform { position, punctual, direction, cone, range, padding });
+    let casting = rust_layout!(CastingUniform { count, padding, lights });
+    for (name, module) in modules().into_iter().filter(|(name, _)| name.starts_with("trace")) {
+        assert_eq!(wgsl_layout(&module, "DaaCastingLight"), light, "{name}");
+        assert_eq!(wgsl_layout(&module, "DaaCasting"), casting, "{name}");
     }
 }
 
@@ -188,6 +208,10 @@ fn tiles_are_the_shaders() {
         ("daa_shade_pixels", flat),
         ("daa_shade_loop", tile),
         ("daa_shade_tiled", flat),
+        ("daa_trace_audited", flat),
+        ("daa_trace_planned", flat),
+        ("daa_trace_first", flat),
+        ("daa_trace_full", flat),
     ];
     let mut seen = 0;
     for (name, module) in modules() {
@@ -224,7 +248,7 @@ fn table_bindings_are_the_layouts() {
         TextureTier::Arrays,
         wgpu::Features::empty(),
     );
-    let module = parse(&host.expect("a sound hook").join(SHADING[0].1));
+    let module = parse(&host.expect("a sound hook").join(SHADING[0].1, Traced::default()));
     let mut bound: Vec<_> = module
         .global_variables
         .iter()
@@ -266,6 +290,11 @@ fn builtins_are_what_the_shaders_use() {
         include_str!("../shaders/evaluate.wgsl"),
         include_str!("../shaders/table_arrays.wgsl"),
         include_str!("../shaders/table_bindings.wgsl"),
+        include_str!("../shaders/shadows.wgsl"),
+        include_str!("../shaders/rays.wgsl"),
+        include_str!("../shaders/rays_software.wgsl"),
+        include_str!("../shaders/rays_query.wgsl"),
+        TRACE,
     ];
     const OTHER: [&str; 11] =
         ["binding", "builtin", "for", "group", "if", "location", "return", "size", "switch", "while", "workgroup_size"];

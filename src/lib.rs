@@ -34,6 +34,7 @@
 #![deny(missing_docs)]
 
 mod audit;
+mod effects;
 mod error;
 mod first;
 mod frame;
@@ -59,10 +60,12 @@ mod settings;
 mod shade;
 mod statistics;
 mod table;
+mod trace;
 mod view;
 mod wgsl;
 pub mod window;
 
+pub use effects::{CastingLight, MAX_CASTING_LIGHTS, Needs};
 pub use error::{
     BuildError, PipelineError, RecordError, SettingsError, ShadingError, ShadingErrorKind, SizeError, TableError,
 };
@@ -73,7 +76,7 @@ pub use node::{DeferredAa, Descriptor, Intermediates, Pass, Recording, Shading};
 pub use pipeline::{PassInfo, Resource};
 pub use requirements::{Memory, Requirements};
 pub use settings::{
-    DebugView, DepthMeasure, Execution, Goal, LuminanceCurve, Preset, Settings, Technique, Weight, Windowed,
+    DebugView, DepthMeasure, Effect, Execution, Goal, LuminanceCurve, Preset, Settings, Technique, Weight, Windowed,
 };
 pub use statistics::{PassTime, Statistics};
 pub use table::{

@@ -65,7 +65,7 @@ impl Lists {
             let constants = [("DAA_ROWS", f64::from(kind.rows(build.m))), ("DAA_BATCH", BATCH as f64)];
             let pipeline = |entry| {
                 let source = wgsl::join_plain(WGSL);
-                build.compute_with(INFO.name, source, entry, &self.layout, false, &constants)
+                build.compute_with(INFO.name, source, entry, &self.layout, None, &constants)
             };
             Ok(Pipelines { count: pipeline(count)?, scan: pipeline("daa_list_scan")?, list: pipeline(list)? })
         })

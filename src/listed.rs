@@ -1,5 +1,6 @@
 //! listed: `shade` for the executions that work on a list.
 
+use crate::effects::Traced;
 use crate::error::PipelineError;
 use crate::pipeline::{Build, Lazy, PassInfo, Resource, entry};
 use crate::scratch::{self, List, ListKind, Scratch, WORK_BYTES};
@@ -8,6 +9,12 @@ pub(crate) const INFO: PassInfo = PassInfo {
     name: "shade",
     reads: &[Resource::GBuffer, Resource::Host, Resource::First, Resource::Plan, Resource::List],
     writes: &[Resource::Color, Resource::Statistics],
+};
+
+/// Where something was traced.
+pub(crate) const INFO_TRACED: PassInfo = PassInfo {
+    reads: &[Resource::GBuffer, Resource::Host, Resource::First, Resource::Plan, Resource::List, Resource::Shadows],
+    ..INFO
 };
 
 /// The ways to run it.
@@ -39,8 +46,8 @@ pub(crate) struct Listed {
     pixel_layout: wgpu::BindGroupLayout,
     sample_layout: wgpu::BindGroupLayout,
     gather_layout: wgpu::BindGroupLayout,
-    pixels: Lazy<wgpu::ComputePipeline>,
-    samples: Lazy<wgpu::ComputePipeline>,
+    pixels: [Lazy<wgpu::ComputePipeline>; Traced::COUNT],
+    samples: [Lazy<wgpu::ComputePipeline>; Traced::COUNT],
     gather: Lazy<wgpu::ComputePipeline>,
 }
 
@@ -58,8 +65,8 @@ impl Listed {
             pixel_layout: layout(&[first, plan, color, statistics, list, work]),
             sample_layout: layout(&[plan, statistics, list, work, colors]),
             gather_layout: layout(&[first, plan, color, work, colors, entry::buffer(7, compute, true)]),
-            pixels: Lazy::default(),
-            samples: Lazy::default(),
+            pixels: Default::default(),
+            samples: Default::default(),
             gather: Lazy::default(),
         }
     }
@@ -87,21 +94,24 @@ impl Listed {
     }
 
     /// Compiles what this listing needs.
-    pub fn warm_up(&self, build: &Build, listing: Listing) -> Result<(), PipelineError> {
-        self.pipeline(build, listing.kind())?;
+    pub fn warm_up(&self, build: &Build, listing: Listing, traced: Traced) -> Result<(), PipelineError> {
+        self.pipeline(build, listing.kind(), traced)?;
         if listing == Listing::Packed { self.gather(build).map(|_| ()) } else { Ok(()) }
     }
 
-    fn pipeline(&self, build: &Build, kind: ListKind) -> Result<&wgpu::ComputePipeline, PipelineError> {
+    fn pipeline(&self, build: &Build, kind: ListKind, traced: Traced) -> Result<&wgpu::ComputePipeline, PipelineError> {
         let (lazy, entry, layout) = match kind {
             ListKind::Pixels => (&self.pixels, "daa_shade_pixels", &self.pixel_layout),
             ListKind::Samples => (&self.samples, "daa_shade_packed", &self.sample_layout),
         };
-        lazy.get(|| build.compute(INFO.name, source(build), entry, layout, true))
+        let source = || source(build, traced);
+        lazy[traced.index()].get(|| build.compute(INFO.name, source(), entry, layout, Some(traced)))
     }
 
     fn gather(&self, build: &Build) -> Result<&wgpu::ComputePipeline, PipelineError> {
-        self.gather.get(|| build.compute(INFO.name, source(build), "daa_shade_gather", &self.gather_layout, true))
+        let none = Traced::default();
+        let source = || source(build, none);
+        self.gather.get(|| build.compute(INFO.name, source(), "daa_shade_gather", &self.gather_layout, Some(none)))
     }
 
     /// Groups 0 to 2 are set.
@@ -109,12 +119,12 @@ impl Listed {
         &self,
         pass: &mut wgpu::ComputePass<'_>,
         build: &Build,
-        listing: Listing,
+        (listing, traced): (Listing, Traced),
         list: &List,
         bound: &Bound,
         size: [u32; 2],
     ) {
-        let Ok(pipeline) = self.pipeline(build, listing.kind()) else { return };
+        let Ok(pipeline) = self.pipeline(build, listing.kind(), traced) else { return };
         let tiles = scratch::tiles(size);
         // Work 0 is the whole list of pixels, the others a row or a batch each.
         let parts = match listing {
@@ -136,12 +146,13 @@ impl Listed {
     }
 }
 
-fn source(build: &Build) -> String {
-    build.host.join(concat!(
+fn source(build: &Build, traced: Traced) -> String {
+    let pass = concat!(
         include_str!("../shaders/work.wgsl"),
         "\n",
         include_str!("../shaders/shade.wgsl"),
         "\n",
         include_str!("../shaders/listed.wgsl")
-    ))
+    );
+    build.host.join(pass, traced)
 }

@@ -37,7 +37,7 @@ impl MaxFilter {
     pub fn pipeline(&self, build: &Build) -> Result<&wgpu::ComputePipeline, PipelineError> {
         self.pipeline.get(|| {
             let source = wgsl::join_plain(include_str!("../shaders/max_filter.wgsl"));
-            build.compute(INFO.name, source, "daa_max_filter_main", &self.layout, false)
+            build.compute(INFO.name, source, "daa_max_filter_main", &self.layout, None)
         })
     }
 }

@@ -38,7 +38,7 @@ impl Metrics {
     pub fn pipeline(&self, build: &Build) -> Result<&wgpu::ComputePipeline, PipelineError> {
         self.pipeline.get(|| {
             let source = wgsl::join_plain(include_str!("../shaders/metrics.wgsl"));
-            build.compute(INFO.name, source, "daa_metrics_main", &self.layout, false)
+            build.compute(INFO.name, source, "daa_metrics_main", &self.layout, None)
         })
     }
 }

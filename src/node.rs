@@ -1,6 +1,7 @@
 //! The node: knows the order of the frame's passes, and nobody else does.
 
 use crate::audit::{self, Audit, Audited};
+use crate::effects::{CastingUniform, Needs, Traced};
 use crate::error::{BuildError, RecordError, ShadingError, SizeError, TableError};
 use crate::first::{self, First};
 use crate::frame::{Frame, FrameUniform};
@@ -12,6 +13,7 @@ use crate::max_filter::{self, MaxFilter};
 use crate::metrics::{self, Metrics};
 use crate::pipeline::{self, Build, PassInfo};
 use crate::plan::{self, Plan};
+use crate::rays::RayTier;
 use crate::requirements::{self, Memory, Requirements};
 use crate::resolve::{Resolve, Source};
 use crate::scratch::{self, List, ListKind, Scratch};
@@ -19,6 +21,7 @@ use crate::settings::{DebugView, Execution, Goal, Settings, Technique};
 use crate::shade::{self, Shade, Variant};
 use crate::statistics::{Collector, MAX_PASSES, Recorded, Statistics};
 use crate::table::{TableTexture, Tables, TextureTable, TextureTier};
+use crate::trace::{Samples, Trace, Traces};
 use crate::view::{self, View};
 use crate::wgsl::{self, HostSource};
 use crate::window::MAX_M;
@@ -49,6 +52,15 @@ pub struct Descriptor<'a> {
     pub textures: TextureTier,
     /// Most textures of a table on [`TextureTier::Bindings`].
     pub texture_capacity: u32,
+    /// Who traces rays, if any frame may ever ask for them.
+    pub rays: Option<RayTier>,
+}
+
+impl<'a> Descriptor<'a> {
+    /// m = 4, no textures, no rays.
+    pub fn new(target_format: wgpu::TextureFormat, shading: Shading<'a>) -> Self {
+        Self { m: 4, target_format, shading, textures: TextureTier::None, texture_capacity: 0, rays: None }
+    }
 }
 
 /// Adaptive supersampling of a deferred frame: a node for a host's frame graph.
@@ -76,6 +88,7 @@ pub struct DeferredAa {
     resolve: Resolve,
     view: View,
     audit: Audit,
+    tracer: Option<Tracer>,
     uniforms: wgpu::Buffer,
     sized: Option<Sized>,
     collector: Collector,
@@ -83,11 +96,22 @@ pub struct DeferredAa {
     frame: u64,
 }
 
+/// What traces, in a node that may.
+#[derive(Debug)]
+struct Tracer {
+    tier: RayTier,
+    trace: Trace,
+    /// `DaaCasting`, a slot a frame; from the first frame that traces.
+    lights: Option<wgpu::Buffer>,
+}
+
 /// What goes with a size.
 #[derive(Debug)]
 struct Sized {
     scratch: Scratch,
-    frame: wgpu::BindGroup,
+    /// By [`Traced::index`], each from the first frame that needs it.
+    frames: [Option<wgpu::BindGroup>; Traced::COUNT],
+    traced: Option<SizedTraces>,
     first: wgpu::BindGroup,
     metrics: wgpu::BindGroup,
     max_filter: wgpu::BindGroup,
@@ -98,6 +122,13 @@ struct Sized {
     audit: wgpu::BindGroup,
     /// By [`ListKind`], each from the first frame that needs it.
     lists: [Option<SizedList>; 2],
+}
+
+/// What rays find, and what binds it with the scene of a generation.
+#[derive(Debug)]
+struct SizedTraces {
+    traces: Traces,
+    bound: Option<(u64, wgpu::BindGroup)>,
 }
 
 /// A list and what binds it.
@@ -125,6 +156,9 @@ pub struct Intermediates<'a> {
     pub pixel_list: Option<&'a wgpu::Buffer>,
     /// The samples beyond the first, once [`Execution::Packed`] ran; see `reference::list`.
     pub sample_list: Option<&'a wgpu::Buffer>,
+    /// The shadow bits of all samples, rank by rank in the order of the plan, once a frame traced; of those that were not
+    /// traced what was there before.
+    pub shadows: Option<&'a wgpu::Buffer>,
 }
 
 impl Intermediates<'_> {
@@ -146,6 +180,7 @@ pub struct Pass {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Step {
+    Trace(Samples),
     First,
     Metrics,
     MaxFilter,
@@ -161,9 +196,10 @@ enum Step {
 /// Uniform slots: as many frames may be recorded between two submits.
 const UNIFORM_SLOTS: u64 = 16;
 const UNIFORM_STRIDE: u64 = (size_of::<FrameUniform>() as u64).next_multiple_of(256);
+const LIGHTS_STRIDE: u64 = (size_of::<CastingUniform>() as u64).next_multiple_of(256);
 
 /// The frame, top to bottom.
-fn order(settings: &Settings) -> [Option<Step>; MAX_PASSES] {
+fn order(settings: &Settings, traced: Traced) -> [Option<Step>; MAX_PASSES] {
     let planned = settings.technique == Technique::Windowed;
     let first = settings.technique != Technique::Full || settings.view == DebugView::First;
     let (shade, source) = match (settings.technique, settings.execution) {
@@ -176,11 +212,16 @@ fn order(settings: &Settings) -> [Option<Step>; MAX_PASSES] {
         _ => None,
     };
     let filtered = planned && settings.execution == Execution::MaxFiltered;
+    let audited = planned && matches!(settings.goal, Some(Goal::Error(_)));
+    let trace = |samples, when| (when && traced.any()).then_some(Step::Trace(samples));
+    let full = settings.technique == Technique::Full;
     [
+        trace(if full { Samples::Full } else { Samples::First }, true),
         first.then_some(Step::First),
         planned.then_some(Step::Metrics),
         filtered.then_some(Step::MaxFilter),
         planned.then_some(Step::Plan),
+        trace(Samples::Planned, planned),
         list,
         shade,
         Some(match settings.view {
@@ -188,7 +229,8 @@ fn order(settings: &Settings) -> [Option<Step>; MAX_PASSES] {
             _ => Step::View { first, planned },
         }),
         // Behind the image, which does not wait for it.
-        (planned && matches!(settings.goal, Some(Goal::Error(_)))).then_some(Step::Audit),
+        trace(Samples::Audited, audited),
+        audited.then_some(Step::Audit),
     ]
 }
 
@@ -208,18 +250,25 @@ impl Step {
         matches!(self, Self::First | Self::Shade(_) | Self::Listed(_) | Self::Audit)
     }
 
-    fn info(self) -> PassInfo {
+    fn info(self, traced: Traced) -> PassInfo {
+        let traced = traced.any();
         match self {
+            Self::Trace(samples) => samples.info(),
+            Self::First if traced => first::INFO_TRACED,
             Self::First => first::INFO,
             Self::Metrics => metrics::INFO,
             Self::MaxFilter => max_filter::INFO,
             Self::Plan => plan::INFO,
             Self::List(_) => list::INFO,
+            Self::Listed(_) if traced => listed::INFO_TRACED,
             Self::Listed(_) => listed::INFO,
+            Self::Shade(Variant::Full) if traced => shade::INFO_FULL_TRACED,
             Self::Shade(Variant::Full) => shade::INFO_FULL,
+            Self::Shade(_) if traced => shade::INFO_TRACED,
             Self::Shade(_) => shade::INFO,
             Self::Resolve(source) => source.info(),
             Self::View { first, planned } => view::info(first, planned),
+            Self::Audit if traced => audit::INFO_TRACED,
             Self::Audit => audit::INFO,
         }
     }
@@ -261,7 +310,7 @@ impl DeferredAa {
             m: descriptor.m,
             host,
             target_format: descriptor.target_format,
-            frame_layout: frame_layout(device),
+            frame_layouts: [false, true].map(|shadows| frame_layout(device, Traced { shadows })),
             table_layout: tables.as_ref().map(|t| t.layout.clone()),
             host_layout: host_layout.cloned(),
         };
@@ -277,6 +326,7 @@ impl DeferredAa {
             resolve: Resolve::new(device),
             view: View::new(device),
             audit: Audit::new(device),
+            tracer: descriptor.rays.map(|tier| Tracer { tier, trace: Trace::new(device, tier), lights: None }),
             uniforms: device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("daa frame"),
                 size: UNIFORM_STRIDE * UNIFORM_SLOTS,
@@ -290,7 +340,7 @@ impl DeferredAa {
             build,
         };
         // A layout that does not fit the WGSL shows here, not in the first frame.
-        aa.first.pipeline(&aa.build)?;
+        aa.first.pipeline(&aa.build, Traced::default())?;
         Ok(aa)
     }
 
@@ -324,7 +374,11 @@ impl DeferredAa {
             return Err(SizeError::OutOfMemory { width, height, m, bytes, message: e.to_string() });
         }
         self.sized = Some(Sized {
-            frame: bind_frame(device, &self.build.frame_layout, &self.uniforms, &scratch.gbuffer),
+            frames: [
+                Some(bind_frame(device, &self.build.frame_layouts[0], &self.uniforms, &scratch.gbuffer, None)),
+                None,
+            ],
+            traced: None,
             first: self.first.bind(device, &scratch),
             metrics: self.metrics.bind(device, &scratch),
             max_filter: self.max_filter.bind(device, &scratch),
@@ -353,6 +407,7 @@ impl DeferredAa {
             tiles: scratch::tiles(s.scratch.size),
             pixel_list: s.lists[ListKind::Pixels as usize].as_ref().map(|l| &l.list.list),
             sample_list: s.lists[ListKind::Samples as usize].as_ref().map(|l| &l.list.list),
+            shadows: s.traced.as_ref().map(|t| &t.traces.shadows),
         })
     }
 
@@ -362,7 +417,13 @@ impl DeferredAa {
         Memory {
             gbuffer: scratch::gbuffer_bytes(size, self.build.m),
             scratch: if size == [0, 0] { 0 } else { scratch::scratch_bytes(size) + self.list_bytes(size) },
+            rays: self.ray_bytes(),
         }
+    }
+
+    fn ray_bytes(&self) -> u64 {
+        let traces = self.sized.as_ref().and_then(|s| s.traced.as_ref()).map_or(0, |t| t.traces.shadows.size());
+        traces + self.tracer.as_ref().and_then(|t| t.lights.as_ref()).map_or(0, wgpu::Buffer::size)
     }
 
     fn list_bytes(&self, size: [u32; 2]) -> u64 {
@@ -393,30 +454,36 @@ impl DeferredAa {
         tables.table(&self.build.device, queue, encoder, textures)
     }
 
-    /// Compiles what frames with these settings need, so that none of them has to.
-    pub fn warm_up(&self, settings: &Settings) -> Result<(), RecordError> {
+    /// Compiles what frames with these settings and needs want, so that none of them has to.
+    pub fn warm_up(&self, settings: &Settings, needs: &Needs<'_>) -> Result<(), RecordError> {
         settings.validate()?;
-        for step in order(settings).into_iter().flatten() {
+        let traced = Traced::of(settings, needs);
+        for step in order(settings, traced).into_iter().flatten() {
             match step {
-                Step::First => drop(self.first.pipeline(&self.build)?),
+                Step::Trace(samples) => {
+                    let tracer = self.tracer.as_ref().ok_or(RecordError::NoRays)?;
+                    tracer.trace.pipeline(&self.build, tracer.tier, samples)?;
+                }
+                Step::First => drop(self.first.pipeline(&self.build, traced)?),
                 Step::Metrics => drop(self.metrics.pipeline(&self.build)?),
                 Step::MaxFilter => drop(self.max_filter.pipeline(&self.build)?),
                 Step::Plan => drop(self.plan.pipeline(&self.build)?),
                 Step::List(kind) => self.lists.warm_up(&self.build, kind)?,
-                Step::Listed(listing) => self.listed.warm_up(&self.build, listing)?,
-                Step::Shade(variant) => drop(self.shade.pipeline(&self.build, variant)?),
+                Step::Listed(listing) => self.listed.warm_up(&self.build, listing, traced)?,
+                Step::Shade(variant) => drop(self.shade.pipeline(&self.build, variant, traced)?),
                 Step::Resolve(source) => drop(self.resolve.pipeline(&self.build, source)?),
                 Step::View { .. } => drop(self.view.pipeline(&self.build)?),
-                Step::Audit => drop(self.audit.pipeline(&self.build)?),
+                Step::Audit => drop(self.audit.pipeline(&self.build, traced)?),
             }
         }
         Ok(())
     }
 
-    /// The passes that a frame with these settings records, in order.
-    pub fn passes(settings: &Settings) -> impl Iterator<Item = Pass> + use<> {
-        let steps = order(settings).into_iter().flatten();
-        steps.enumerate().map(|(index, step)| Pass { info: step.info(), step, index })
+    /// The passes that a frame with these settings and needs records, in order.
+    pub fn passes(settings: &Settings, needs: &Needs<'_>) -> impl Iterator<Item = Pass> + use<> {
+        let traced = Traced::of(settings, needs);
+        let steps = order(settings, traced).into_iter().flatten();
+        steps.enumerate().map(move |(index, step)| Pass { info: step.info(traced), step, index })
     }
 
     /// Records the frame: all its passes, and the copies of its statistics. Nothing is recorded if it fails. At most 16
@@ -428,7 +495,7 @@ impl DeferredAa {
         frame: &Frame<'_>,
     ) -> Result<(), RecordError> {
         let recording = self.begin(queue, encoder, frame)?;
-        for pass in Self::passes(&frame.settings) {
+        for pass in Self::passes(&frame.settings, &frame.needs) {
             recording.record(encoder, pass);
         }
         recording.finish(queue, encoder);
@@ -477,27 +544,98 @@ impl DeferredAa {
             settings.windowed = settings.windowed.at_effort(effort, self.build.m);
         }
         let uniform = FrameUniform::new(&Frame { settings, ..*frame }, size, self.build.m, audited)?;
-        self.warm_up(&frame.settings)?;
+        let lights = self.casting(frame, uniform.camera_position.into())?;
+        self.warm_up(&frame.settings, &frame.needs)?;
         self.make_list(&frame.settings)?;
+        self.make_traces(frame)?;
         let sized = self.sized.as_ref().ok_or(RecordError::NoSize)?;
 
         self.frame += 1;
         let offset = self.frame % UNIFORM_SLOTS * UNIFORM_STRIDE;
         queue.write_buffer(&self.uniforms, offset, bytemuck::bytes_of(&uniform));
+        let lights_offset = self.frame % UNIFORM_SLOTS * LIGHTS_STRIDE;
+        if let (Some(lights), Some(buffer)) = (&lights, self.tracer.as_ref().and_then(|t| t.lights.as_ref())) {
+            queue.write_buffer(buffer, lights_offset, bytemuck::bytes_of(lights));
+        }
         encoder.clear_buffer(&sized.scratch.statistics, 0, None);
         let mut recorded = Recorded::new(self.frame, frame.settings.technique, size, self.build.m);
         recorded.effort = effort;
-        for pass in Self::passes(&frame.settings) {
+        for pass in Self::passes(&frame.settings, &frame.needs) {
             recorded.push(pass.info.name);
             recorded.audited = recorded.audited.or((pass.step == Step::Audit).then_some(audited));
         }
         let collects = frame.statistics || effort.is_some();
-        Ok(Recording { aa: self, frame, offset: offset as u32, recorded, audited, collects })
+        let traced = Traced::of(&frame.settings, &frame.needs);
+        let offsets = [offset as u32, lights_offset as u32];
+        Ok(Recording { aa: self, frame, offsets, traced, recorded, audited, collects })
+    }
+
+    /// The lights, if the frame traces; checks what it needs for that.
+    fn casting(&self, frame: &Frame<'_>, camera: glam::Vec3) -> Result<Option<CastingUniform>, RecordError> {
+        if !Traced::of(&frame.settings, &frame.needs).any() {
+            return Ok(None);
+        }
+        let node = self.tracer.as_ref().ok_or(RecordError::NoRays)?.tier;
+        let scene = frame.needs.rays.ok_or(RecordError::NoRayScene)?;
+        if scene.tier() != node {
+            return Err(RecordError::RayTier { scene: scene.tier(), node });
+        }
+        if scene.camera() != camera {
+            return Err(RecordError::RayCamera { scene: scene.camera(), camera });
+        }
+        CastingUniform::new(frame.needs.shadows, camera).map(Some)
+    }
+
+    /// Makes what rays find room in, in the first frame that traces, and binds the frame's scene.
+    fn make_traces(&mut self, frame: &Frame<'_>) -> Result<(), RecordError> {
+        let traced = Traced::of(&frame.settings, &frame.needs);
+        let (Some(tracer), Some(sized), Some(scene)) = (&mut self.tracer, &mut self.sized, frame.needs.rays) else {
+            return Ok(());
+        };
+        if !traced.any() {
+            return Ok(());
+        }
+        let (device, m, size) = (&self.build.device, self.build.m, sized.scratch.size);
+        let lights = tracer.lights.get_or_insert_with(|| {
+            device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("daa casting lights"),
+                size: LIGHTS_STRIDE * UNIFORM_SLOTS,
+                usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            })
+        });
+        let made = match &mut sized.traced {
+            Some(made) => made,
+            none => {
+                let bytes = Traces::bytes(size, m);
+                let refused = |why| Err(RecordError::Traces { width: size[0], height: size[1], m, bytes, why });
+                let limits = device.limits();
+                let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+                if bytes > limit {
+                    return refused(format!("the device binds {limit}"));
+                }
+                let scope = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+                let traces = Traces::new(device, size, m);
+                if let Some(e) = pipeline::ready(scope.pop()) {
+                    return refused(e.to_string());
+                }
+                none.insert(SizedTraces { traces, bound: None })
+            }
+        };
+        if made.bound.as_ref().is_none_or(|(generation, _)| *generation != scene.generation()) {
+            let group = tracer.trace.bind(device, &sized.scratch, &made.traces, scene, lights);
+            made.bound = Some((scene.generation(), group));
+        }
+        let layout = &self.build.frame_layouts[traced.index()];
+        sized.frames[traced.index()].get_or_insert_with(|| {
+            bind_frame(device, layout, &self.uniforms, &sized.scratch.gbuffer, Some(&made.traces.shadows))
+        });
+        Ok(())
     }
 
     /// Makes the list of an execution that has one, in the first frame that asks for it.
     fn make_list(&mut self, settings: &Settings) -> Result<(), RecordError> {
-        let kind = order(settings).into_iter().flatten().find_map(|step| match step {
+        let kind = order(settings, Traced::default()).into_iter().flatten().find_map(|step| match step {
             Step::List(kind) => Some(kind),
             _ => None,
         });
@@ -543,7 +681,9 @@ impl DeferredAa {
 pub struct Recording<'a> {
     aa: &'a mut DeferredAa,
     frame: &'a Frame<'a>,
-    offset: u32,
+    /// Into the frame's constants and lights.
+    offsets: [u32; 2],
+    traced: Traced,
     recorded: Recorded,
     audited: Audited,
     /// Statistics are asked for, or the goal needs them.
@@ -555,16 +695,17 @@ impl Recording<'_> {
     pub fn record(&self, encoder: &mut wgpu::CommandEncoder, pass: Pass) {
         let aa = &*self.aa;
         let Some(sized) = &aa.sized else { return };
+        let Some(frame) = &sized.frames[0] else { return };
         let timestamps = aa.collector.timestamps(pass.index).filter(|_| self.collects);
         // `begin` has compiled them all.
         match pass.step {
             Step::Resolve(source) => {
                 let pipeline = aa.resolve.pipeline(&aa.build, source).ok();
-                self.fullscreen(encoder, pass, pipeline, (&sized.frame, &sized.resolve), timestamps);
+                self.fullscreen(encoder, pass, pipeline, (frame, &sized.resolve), timestamps);
             }
             Step::View { .. } => {
                 let pipeline = aa.view.pipeline(&aa.build).ok();
-                self.fullscreen(encoder, pass, pipeline, (&sized.frame, &sized.view), timestamps);
+                self.fullscreen(encoder, pass, pipeline, (frame, &sized.view), timestamps);
             }
             _ => self.compute(encoder, pass, sized, timestamps),
         }
@@ -586,8 +727,10 @@ impl Recording<'_> {
                 end_of_pass_write_index: Some(end),
             }),
         });
-        compute.set_bind_group(0, &sized.frame, &[self.offset]);
-        if pass.step.shades() {
+        // Only those who shade read what was traced.
+        let traced = if pass.step.shades() { self.traced } else { Traced::default() };
+        compute.set_bind_group(0, &sized.frames[traced.index()], &[self.offsets[0]]);
+        if pass.step.shades() || (matches!(pass.step, Step::Trace(_)) && aa.build.host.solid) {
             if let Some(table) = self.frame.textures.filter(|_| aa.tables.is_some()) {
                 compute.set_bind_group(1, &table.bind_group, &[]);
             }
@@ -597,7 +740,19 @@ impl Recording<'_> {
         }
         let tiles = scratch::tiles(sized.scratch.size);
         let (pipeline, own, [x, y]) = match pass.step {
-            Step::First => (aa.first.pipeline(&aa.build), &sized.first, tiles),
+            Step::Trace(samples) => {
+                let (Some(tracer), Some(made)) = (&aa.tracer, &sized.traced) else { return };
+                let (Ok(pipeline), Some((_, group))) =
+                    (tracer.trace.pipeline(&aa.build, tracer.tier, samples), &made.bound)
+                else {
+                    return;
+                };
+                let [x, y] = Trace::groups(samples, sized.scratch.size, self.audited);
+                compute.set_pipeline(pipeline);
+                compute.set_bind_group(3, group, &[self.offsets[1]]);
+                return compute.dispatch_workgroups(x, y, 1);
+            }
+            Step::First => (aa.first.pipeline(&aa.build, traced), &sized.first, tiles),
             Step::Metrics => (aa.metrics.pipeline(&aa.build), &sized.metrics, tiles),
             Step::MaxFilter => {
                 let groups = sized.scratch.size.map(|side| side.div_ceil(max_filter::REACH));
@@ -605,10 +760,10 @@ impl Recording<'_> {
             }
             // A workgroup plans 64 tiles.
             Step::Plan => (aa.plan.pipeline(&aa.build), &sized.plan, [(tiles[0] * tiles[1]).div_ceil(64), 1]),
-            Step::Shade(variant) => (aa.shade.pipeline(&aa.build, variant), &sized.shade, tiles),
+            Step::Shade(variant) => (aa.shade.pipeline(&aa.build, variant, traced), &sized.shade, tiles),
             Step::Audit => {
                 let groups = Audit::groups(self.audited, sized.scratch.size);
-                (aa.audit.pipeline(&aa.build), &sized.audit, groups)
+                (aa.audit.pipeline(&aa.build, traced), &sized.audit, groups)
             }
             Step::List(kind) => {
                 let Some(made) = &sized.lists[kind as usize] else { return };
@@ -618,7 +773,7 @@ impl Recording<'_> {
             Step::Listed(listing) => {
                 let Some(made) = &sized.lists[listing.kind() as usize] else { return };
                 let size = sized.scratch.size;
-                return aa.listed.dispatch(&mut compute, &aa.build, listing, &made.list, &made.shade, size);
+                return aa.listed.dispatch(&mut compute, &aa.build, (listing, traced), &made.list, &made.shade, size);
             }
             Step::Resolve(_) | Step::View { .. } => return,
         };
@@ -658,7 +813,7 @@ impl Recording<'_> {
             multiview_mask: None,
         });
         render.set_pipeline(pipeline);
-        render.set_bind_group(0, frame, &[self.offset]);
+        render.set_bind_group(0, frame, &[self.offsets[0]]);
         render.set_bind_group(3, own, &[]);
         render.draw(0..3, 0..1);
     }
@@ -689,7 +844,7 @@ fn check_size(size: [u32; 2], m: u32, limits: &wgpu::Limits) -> Result<(), SizeE
     Ok(())
 }
 
-fn frame_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+fn frame_layout(device: &wgpu::Device, traced: Traced) -> wgpu::BindGroupLayout {
     let visibility = wgpu::ShaderStages::COMPUTE | wgpu::ShaderStages::FRAGMENT;
     let texture = |binding, sample_type| wgpu::BindGroupLayoutEntry {
         binding,
@@ -701,25 +856,26 @@ fn frame_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
         },
         count: None,
     };
-    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-        label: Some("daa frame"),
-        entries: &[
-            wgpu::BindGroupLayoutEntry {
-                binding: 0,
-                visibility,
-                ty: wgpu::BindingType::Buffer {
-                    ty: wgpu::BufferBindingType::Uniform,
-                    has_dynamic_offset: true,
-                    min_binding_size: wgpu::BufferSize::new(size_of::<FrameUniform>() as u64),
-                },
-                count: None,
+    let mut entries = vec![
+        wgpu::BindGroupLayoutEntry {
+            binding: 0,
+            visibility,
+            ty: wgpu::BindingType::Buffer {
+                ty: wgpu::BufferBindingType::Uniform,
+                has_dynamic_offset: true,
+                min_binding_size: wgpu::BufferSize::new(size_of::<FrameUniform>() as u64),
             },
-            texture(1, wgpu::TextureSampleType::Depth),
-            texture(2, wgpu::TextureSampleType::Uint),
-            texture(3, wgpu::TextureSampleType::Uint),
-            texture(4, wgpu::TextureSampleType::Uint),
-        ],
-    })
+            count: None,
+        },
+        texture(1, wgpu::TextureSampleType::Depth),
+        texture(2, wgpu::TextureSampleType::Uint),
+        texture(3, wgpu::TextureSampleType::Uint),
+        texture(4, wgpu::TextureSampleType::Uint),
+    ];
+    if traced.shadows {
+        entries.push(pipeline::entry::buffer(5, wgpu::ShaderStages::COMPUTE, true));
+    }
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("daa frame"), entries: &entries })
 }
 
 fn bind_frame(
@@ -727,24 +883,25 @@ fn bind_frame(
     layout: &wgpu::BindGroupLayout,
     uniforms: &wgpu::Buffer,
     gbuffer: &GBuffer,
+    shadows: Option<&wgpu::Buffer>,
 ) -> wgpu::BindGroup {
     let view = |binding, view| wgpu::BindGroupEntry { binding, resource: wgpu::BindingResource::TextureView(view) };
-    device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("daa frame"),
-        layout,
-        entries: &[
-            wgpu::BindGroupEntry {
-                binding: 0,
-                resource: wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-                    buffer: uniforms,
-                    offset: 0,
-                    size: wgpu::BufferSize::new(size_of::<FrameUniform>() as u64),
-                }),
-            },
-            view(1, &gbuffer.depth),
-            view(2, &gbuffer.color[0]),
-            view(3, &gbuffer.color[1]),
-            view(4, &gbuffer.color[2]),
-        ],
-    })
+    let mut entries = vec![
+        wgpu::BindGroupEntry {
+            binding: 0,
+            resource: wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                buffer: uniforms,
+                offset: 0,
+                size: wgpu::BufferSize::new(size_of::<FrameUniform>() as u64),
+            }),
+        },
+        view(1, &gbuffer.depth),
+        view(2, &gbuffer.color[0]),
+        view(3, &gbuffer.color[1]),
+        view(4, &gbuffer.color[2]),
+    ];
+    if let Some(shadows) = shadows {
+        entries.push(wgpu::BindGroupEntry { binding: 5, resource: shadows.as_entire_binding() });
+    }
+    device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some("daa frame"), layout, entries: &entries })
 }

@@ -1,5 +1,6 @@
 //! What the passes share when they build: layouts, joining, compiling once and on demand.
 
+use crate::effects::Traced;
 use crate::error::PipelineError;
 use crate::wgsl::HostSource;
 use std::sync::OnceLock;
@@ -14,6 +15,10 @@ pub enum Resource {
     Host,
     /// S: the shaded first samples, w×h.
     First,
+    /// The scene for rays.
+    Rays,
+    /// The shadow bits of samples.
+    Shadows,
     /// k of each window, from the metrics.
     Counts,
     /// k and the place in the tile's list of each window.
@@ -46,8 +51,8 @@ pub(crate) struct Build {
     pub m: u32,
     pub host: HostSource,
     pub target_format: wgpu::TextureFormat,
-    /// `@group(0)`: the frame's constants and the G-buffer.
-    pub frame_layout: wgpu::BindGroupLayout,
+    /// `@group(0)`: the frame's constants, the G-buffer, and what was traced, by [`Traced::index`].
+    pub frame_layouts: [wgpu::BindGroupLayout; Traced::COUNT],
     /// `@group(1)`: the texture table.
     pub table_layout: Option<wgpu::BindGroupLayout>,
     /// `@group(2)`: the host's.
@@ -75,12 +80,13 @@ impl<T> Lazy<T> {
 }
 
 impl Build {
-    fn layout(&self, own: &wgpu::BindGroupLayout, shades: bool) -> wgpu::PipelineLayout {
-        let host = |layout: &'_ Option<wgpu::BindGroupLayout>| layout.clone().filter(|_| shades);
+    fn layout(&self, own: &wgpu::BindGroupLayout, host: Option<Traced>) -> wgpu::PipelineLayout {
+        let frame = &self.frame_layouts[host.unwrap_or_default().index()];
+        let host = |layout: &'_ Option<wgpu::BindGroupLayout>| layout.clone().filter(|_| host.is_some());
         let (table, host) = (host(&self.table_layout), host(&self.host_layout));
         self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("daa"),
-            bind_group_layouts: &[Some(&self.frame_layout), table.as_ref(), host.as_ref(), Some(own)],
+            bind_group_layouts: &[Some(frame), table.as_ref(), host.as_ref(), Some(own)],
             immediate_size: 0,
         })
     }
@@ -92,16 +98,16 @@ impl Build {
         })
     }
 
-    /// A compute pipeline; `own` is its `@group(3)`. `shades`: the host's source runs in it.
+    /// A compute pipeline; `own` is its `@group(3)`. `host`: the host's source runs in it, on samples that bring this along.
     pub fn compute(
         &self,
         pass: &'static str,
         source: String,
         entry: &str,
         own: &wgpu::BindGroupLayout,
-        shades: bool,
+        host: Option<Traced>,
     ) -> Result<wgpu::ComputePipeline, PipelineError> {
-        self.compute_with(pass, source, entry, own, shades, &[])
+        self.compute_with(pass, source, entry, own, host, &[])
     }
 
     /// The same, with values for the pass's own `override` constants.
@@ -111,7 +117,7 @@ impl Build {
         source: String,
         entry: &str,
         own: &wgpu::BindGroupLayout,
-        shades: bool,
+        host: Option<Traced>,
         constants: &[(&str, f64)],
     ) -> Result<wgpu::ComputePipeline, PipelineError> {
         let m = [("DAA_M", f64::from(self.m))];
@@ -120,13 +126,13 @@ impl Build {
             let module = self.module(pass, source);
             self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                 label: Some(pass),
-                layout: Some(&self.layout(own, shades)),
+                layout: Some(&self.layout(own, host)),
                 module: &module,
                 entry_point: Some(entry),
                 compilation_options: wgpu::PipelineCompilationOptions {
                     constants: &constants,
                     // Only `plan` counts up from 0; what `shade` reads it has written.
-                    zero_initialize_workgroup_memory: !shades,
+                    zero_initialize_workgroup_memory: host.is_none(),
                 },
                 cache: None,
             })
@@ -147,7 +153,7 @@ impl Build {
             let compilation_options = wgpu::PipelineCompilationOptions { constants, ..Default::default() };
             self.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
                 label: Some(pass),
-                layout: Some(&self.layout(own, false)),
+                layout: Some(&self.layout(own, None)),
                 vertex: wgpu::VertexState {
                     module: &module,
                     entry_point: Some(entries[0]),

@@ -43,7 +43,7 @@ impl Plan {
     pub fn pipeline(&self, build: &Build) -> Result<&wgpu::ComputePipeline, PipelineError> {
         self.pipeline.get(|| {
             let source = wgsl::join_plain(include_str!("../shaders/plan.wgsl"));
-            build.compute(INFO.name, source, "daa_plan_main", &self.layout, false)
+            build.compute(INFO.name, source, "daa_plan_main", &self.layout, None)
         })
     }
 }

@@ -1,7 +1,9 @@
 //! What a node will need, before anything is created.
 
 use crate::node::Descriptor;
+use crate::rays::{QUERY_FEATURES, RayTier, query_limits};
 use crate::table::{BINDING_FEATURES, MAX_SAMPLERS, TextureTier};
+use crate::trace::Traces;
 use crate::{gbuffer, scratch};
 
 /// What [`DeferredAa::new`](crate::DeferredAa::new) will ask of a device, and what this adapter can't give.
@@ -18,6 +20,7 @@ pub struct Requirements {
     /// What works less well here, a line each.
     pub lost: Vec<String>,
     m: u32,
+    rays: bool,
 }
 
 /// Bytes of GPU memory at one size.
@@ -28,13 +31,19 @@ pub struct Memory {
     /// All else that the node holds, but for the list of an execution that makes one: on its first frame it adds about 4
     /// bytes a pixel for [`Sorted`](crate::Execution::Sorted) and [`Bucketed`](crate::Execution::Bucketed).
     pub scratch: u64,
+    /// What rays find, once a frame traced: 4 bytes a sample. The scene for rays is the host's:
+    /// [`RayScene::bytes`](crate::rays::RayScene::bytes).
+    pub rays: u64,
 }
 
 impl Requirements {
     pub(crate) fn of(adapter: &wgpu::Adapter, descriptor: &Descriptor<'_>) -> Self {
         let (needed, wanted) = features(descriptor);
         let has = adapter.features();
-        let limits = limits(descriptor);
+        let mut limits = limits(descriptor);
+        if descriptor.rays == Some(RayTier::Query) {
+            limits = query_limits(limits, &adapter.limits());
+        }
         let mut missing: Vec<String> = (needed - has).iter_names().map(|(name, _)| format!("feature {name}")).collect();
         missing.extend(missing_limits(&limits, &adapter.limits()));
         let flags = adapter.get_downlevel_capabilities().flags;
@@ -54,7 +63,15 @@ impl Requirements {
         if descriptor.textures == TextureTier::Arrays && has.contains(BINDING_FEATURES) {
             lost.push("textures are copied into arrays: TextureTier::Bindings would read them in place".to_owned());
         }
-        Self { tier: descriptor.textures, features: (needed | wanted) & has, limits, missing, lost, m: descriptor.m }
+        Self {
+            tier: descriptor.textures,
+            features: (needed | wanted) & has,
+            limits,
+            missing,
+            lost,
+            m: descriptor.m,
+            rays: descriptor.rays.is_some(),
+        }
     }
 
     /// Bytes that [`resize`](crate::DeferredAa::resize) to this size will allocate, without padding.
@@ -62,16 +79,20 @@ impl Requirements {
         Memory {
             gbuffer: gbuffer::BYTES_PER_SAMPLE * u64::from(self.m * self.m) * u64::from(width) * u64::from(height),
             scratch: scratch::scratch_bytes([width, height]),
+            rays: if self.rays { Traces::bytes([width, height], self.m) } else { 0 },
         }
     }
 }
 
 /// Needed, and used where it is there.
 fn features(descriptor: &Descriptor<'_>) -> (wgpu::Features, wgpu::Features) {
-    let needed = match descriptor.textures {
+    let mut needed = match descriptor.textures {
         TextureTier::Bindings => BINDING_FEATURES,
         _ => wgpu::Features::empty(),
     };
+    if descriptor.rays == Some(RayTier::Query) {
+        needed |= QUERY_FEATURES;
+    }
     (needed, wgpu::Features::TIMESTAMP_QUERY)
 }
 
@@ -82,6 +103,13 @@ fn limits(descriptor: &Descriptor<'_>) -> wgpu::Limits {
         limits.max_binding_array_elements_per_shader_stage =
             descriptor.texture_capacity.saturating_add(MAX_SAMPLERS as u32);
         limits.max_binding_array_sampler_elements_per_shader_stage = MAX_SAMPLERS as u32;
+    }
+    if descriptor.rays.is_some() {
+        // Of `trace`: its own, the table's and the host's.
+        limits.max_storage_buffers_per_shader_stage = 12;
+    }
+    if descriptor.rays == Some(RayTier::Query) {
+        limits.max_acceleration_structures_per_shader_stage = 1;
     }
     limits
 }

@@ -14,6 +14,8 @@ pub struct Settings {
     pub windowed: Windowed,
     /// How the samples of a pixel are weighted.
     pub weight: Weight,
+    /// Shadow rays towards the lights of [`Needs::shadows`](crate::Needs::shadows).
+    pub shadows: Effect,
     /// What is written to the target.
     pub view: DebugView,
     /// An error or a time to keep to instead of the constants of [`windowed`](Self::windowed) as they stand, which are then
@@ -35,6 +37,20 @@ pub enum Goal {
     /// Milliseconds of GPU time of the node's passes, above 0. Kept with as many samples as fit. Needs
     /// [`wgpu::Features::TIMESTAMP_QUERY`]. Higher: more samples.
     Time(f32),
+}
+
+/// Whether a frame gets an effect.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+pub enum Effect {
+    /// If the scene calls for it: [`Needs`](crate::Needs).
+    #[default]
+    Auto,
+    /// In any case. The image is that of [`Auto`](Self::Auto), bit for bit; what nothing calls for costs its passes and
+    /// memory.
+    On,
+    /// Never.
+    Off,
 }
 
 /// A way to plan and reconstruct over the same G-buffer.

@@ -1,5 +1,6 @@
 //! shade: the samples beyond the first, and their mean with it.
 
+use crate::effects::Traced;
 use crate::error::PipelineError;
 use crate::pipeline::{Build, Lazy, PassInfo, Resource, entry};
 use crate::scratch::Scratch;
@@ -10,12 +11,22 @@ pub(crate) const INFO: PassInfo = PassInfo {
     writes: &[Resource::Color, Resource::Statistics],
 };
 
+/// Where something was traced.
+pub(crate) const INFO_TRACED: PassInfo = PassInfo {
+    reads: &[Resource::GBuffer, Resource::Host, Resource::First, Resource::Plan, Resource::Shadows],
+    ..INFO
+};
+
 /// For `Full`, which has neither first samples nor a plan.
 pub(crate) const INFO_FULL: PassInfo = PassInfo {
     name: "shade",
     reads: &[Resource::GBuffer, Resource::Host],
     writes: &[Resource::Color, Resource::Statistics],
 };
+
+/// Where something was traced.
+pub(crate) const INFO_FULL_TRACED: PassInfo =
+    PassInfo { reads: &[Resource::GBuffer, Resource::Host, Resource::Shadows], ..INFO_FULL };
 
 /// The ways to run it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -28,7 +39,7 @@ pub(crate) enum Variant {
 #[derive(Debug)]
 pub(crate) struct Shade {
     layout: wgpu::BindGroupLayout,
-    pipelines: [Lazy<wgpu::ComputePipeline>; 3],
+    pipelines: [[Lazy<wgpu::ComputePipeline>; Traced::COUNT]; 3],
 }
 
 impl Shade {
@@ -59,15 +70,20 @@ impl Shade {
         })
     }
 
-    pub fn pipeline(&self, build: &Build, variant: Variant) -> Result<&wgpu::ComputePipeline, PipelineError> {
+    pub fn pipeline(
+        &self,
+        build: &Build,
+        variant: Variant,
+        traced: Traced,
+    ) -> Result<&wgpu::ComputePipeline, PipelineError> {
         let entry = match variant {
             Variant::Full => "daa_shade_full",
             Variant::Loop => "daa_shade_loop",
             Variant::Tiled => "daa_shade_tiled",
         };
-        self.pipelines[variant as usize].get(|| {
-            let source = build.host.join(include_str!("../shaders/shade.wgsl"));
-            build.compute(INFO.name, source, entry, &self.layout, true)
+        self.pipelines[variant as usize][traced.index()].get(|| {
+            let source = build.host.join(include_str!("../shaders/shade.wgsl"), traced);
+            build.compute(INFO.name, source, entry, &self.layout, Some(traced))
         })
     }
 }

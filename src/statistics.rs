@@ -15,12 +15,13 @@ pub(crate) struct Counters {
     pub negative: u32,
     pub overflowed_tiles: u32,
     pub decided: [u32; 6],
+    pub shadow_rays: u32,
 }
 
 pub(crate) const COUNTER_BYTES: u64 = size_of::<Counters>() as u64;
 
 /// Most passes of a frame.
-pub(crate) const MAX_PASSES: usize = 8;
+pub(crate) const MAX_PASSES: usize = 11;
 const TIMESTAMP_BYTES: u64 = (MAX_PASSES * 2 * 8) as u64;
 /// Where the timestamps lie in a read-back buffer, aligned as `resolve_query_set` copies want it.
 const TIMESTAMPS_AT: u64 = COUNTER_BYTES.next_multiple_of(8);
@@ -53,6 +54,8 @@ pub struct Statistics {
     pub negative: u32,
     /// Tiles that wanted more than [`tile_limit`](crate::Windowed::tile_limit) samples and fell back to k = 1.
     pub overflowed_tiles: u32,
+    /// Rays towards lights. Modulo 2³².
+    pub shadow_rays: u32,
     /// How far the search for [`Settings::goal`](crate::Settings::goal) had come when this frame's counters arrived.
     pub goal: Option<GoalProgress>,
     /// The passes in order, with their GPU time in milliseconds where the device has timestamps.
@@ -264,6 +267,7 @@ fn read(bytes: &[u8], recorded: &Recorded, nanoseconds_per_tick: Option<f64>) ->
         not_finite: c.not_finite,
         negative: c.negative,
         overflowed_tiles: c.overflowed_tiles,
+        shadow_rays: c.shadow_rays,
         goal: None,
         passes: passes.collect(),
     }

@@ -1,6 +1,8 @@
 //! Joins the host's WGSL with the crate's, verbatim, and checks the host's part before wgpu sees it.
 
+use crate::effects::Traced;
 use crate::error::{ShadingError, ShadingErrorKind};
+use crate::rays::RayTier;
 use crate::table::TextureTier;
 use naga::common::wgsl::TypeContext as _;
 use std::fmt::Write as _;
@@ -14,6 +16,11 @@ pub(crate) mod chunk {
     pub const MEAN: &str = include_str!("../shaders/mean.wgsl");
     pub const STATISTICS: &str = include_str!("../shaders/statistics.wgsl");
     pub const EVALUATE: &str = include_str!("../shaders/evaluate.wgsl");
+    pub const SHADOWS: &str = include_str!("../shaders/shadows.wgsl");
+    pub const SHADOWS_NONE: &str = include_str!("../shaders/shadows_none.wgsl");
+    pub const RAYS: &str = include_str!("../shaders/rays.wgsl");
+    pub const RAYS_SOFTWARE: &str = include_str!("../shaders/rays_software.wgsl");
+    pub const RAYS_QUERY: &str = include_str!("../shaders/rays_query.wgsl");
     pub const TABLE_NONE: &str = include_str!("../shaders/table_none.wgsl");
     pub const TABLE_ARRAYS: &str = include_str!("../shaders/table_arrays.wgsl");
     pub const TABLE_BINDINGS: &str = include_str!("../shaders/table_bindings.wgsl");
@@ -43,12 +50,37 @@ pub(crate) struct HostSource {
     tier: TextureTier,
     split: bool,
     sky: bool,
+    /// It says where masked materials are solid.
+    pub solid: bool,
 }
 
 const SHADE: (&str, &str) = ("shade", "fn shade(s: DaaSample) -> vec4f");
 const MATERIAL: (&str, &str) = ("material", "fn material(s: DaaSample) -> DaaMaterial");
 const LIGHT: (&str, &str) = ("light", "fn light(f: DaaSurface, m: DaaMaterial) -> vec4f");
 const SKY: (&str, &str) = ("sky", "fn sky(s: DaaSample) -> vec4f");
+const SOLID: (&str, &str) = ("solid", "fn solid(material: u32, uv: vec2f) -> bool");
+
+/// A type of a hook's signature.
+#[derive(Debug, Clone, Copy)]
+enum Type {
+    Struct(&'static str),
+    Plain(naga::Scalar, Option<naga::VectorSize>),
+}
+
+impl Type {
+    const VEC4F: Self = Self::Plain(naga::Scalar::F32, Some(naga::VectorSize::Quad));
+    const VEC2F: Self = Self::Plain(naga::Scalar::F32, Some(naga::VectorSize::Bi));
+    const U32: Self = Self::Plain(naga::Scalar::U32, None);
+    const BOOL: Self = Self::Plain(naga::Scalar::BOOL, None);
+
+    fn is(self, found: &naga::Type) -> bool {
+        match self {
+            Self::Struct(name) => found.name.as_deref() == Some(name),
+            Self::Plain(scalar, None) => found.inner == naga::TypeInner::Scalar(scalar),
+            Self::Plain(scalar, Some(size)) => found.inner == naga::TypeInner::Vector { size, scalar },
+        }
+    }
+}
 
 impl HostSource {
     /// Parses and validates the host's source joined with the contract, on the capabilities of the device.
@@ -85,7 +117,8 @@ impl HostSource {
             return Err(at(range, ShadingErrorKind::EntryPoint(entry.name.clone())));
         }
         let split = joined.hook(file, &module)?;
-        let sky = joined.signature(file, &module, SKY, &["DaaSample"], None)?;
+        let sky = joined.signature(file, &module, SKY, &[Type::Struct("DaaSample")], Type::VEC4F)?;
+        let solid = joined.signature(file, &module, SOLID, &[Type::U32, Type::VEC2F], Type::BOOL)?;
 
         let capabilities = wgpu_naga_bridge::features_to_naga_capabilities(features, wgpu::DownlevelFlags::all());
         let mut validator = naga::valid::Validator::new(naga::valid::ValidationFlags::all(), capabilities);
@@ -98,11 +131,11 @@ impl HostSource {
                 return Err(at(range, ShadingErrorKind::Derivative(what)));
             }
         }
-        Ok(Self { source: source.to_owned(), tier, split, sky })
+        Ok(Self { source: source.to_owned(), tier, split, sky, solid })
     }
 
     /// A module that shades: the host's source, the contract, what reads and averages samples, and a pass.
-    pub fn join(&self, pass: &str) -> String {
+    pub fn join(&self, pass: &str, traced: Traced) -> String {
         let hook = if self.split {
             "fn daa_call_hook(s: DaaSample, coverage: f32) -> vec4f { return light(daa_surface(s, coverage), material(s)); }"
         } else {
@@ -120,6 +153,7 @@ impl HostSource {
             chunk::OCTAHEDRAL,
             table_chunk(self.tier),
             chunk::SAMPLE,
+            if traced.shadows { chunk::SHADOWS } else { chunk::SHADOWS_NONE },
             chunk::MEAN,
             chunk::STATISTICS,
             hook,
@@ -128,11 +162,48 @@ impl HostSource {
             pass,
         ])
     }
+
+    /// A module that traces: with the host's source only if that says where materials are solid.
+    pub fn join_traced(&self, pass: &str, tier: RayTier) -> String {
+        let (directive, nodes, traversal) = match tier {
+            RayTier::Software => {
+                ("", "@group(3) @binding(0) var<storage, read> daa_ray_nodes: array<vec4u>;", chunk::RAYS_SOFTWARE)
+            }
+            RayTier::Query => (
+                "enable wgpu_ray_query;",
+                "@group(3) @binding(0) var daa_ray_tlas: acceleration_structure;",
+                chunk::RAYS_QUERY,
+            ),
+        };
+        let (tables, source, table, solid) = if self.solid {
+            (directives(self.tier), &self.source[..], table_chunk(self.tier), "return solid(material, uv);")
+        } else {
+            ("", "", "", "return true;")
+        };
+        join(&[
+            directive,
+            tables,
+            source,
+            chunk::CONTRACT,
+            chunk::OCTAHEDRAL,
+            table,
+            chunk::SAMPLE,
+            chunk::SHADOWS_NONE,
+            chunk::STATISTICS,
+            nodes,
+            "fn daa_ray_solid(material: u32, uv: vec2f) -> bool {",
+            solid,
+            "}",
+            chunk::RAYS,
+            traversal,
+            pass,
+        ])
+    }
 }
 
 /// A module of the crate's own that only reads the G-buffer.
 pub(crate) fn join_plain(pass: &str) -> String {
-    join(&[chunk::CONTRACT, chunk::OCTAHEDRAL, chunk::SAMPLE, chunk::STATISTICS, pass])
+    join(&[chunk::CONTRACT, chunk::OCTAHEDRAL, chunk::SAMPLE, chunk::SHADOWS_NONE, chunk::STATISTICS, pass])
 }
 
 fn join(chunks: &[&str]) -> String {
@@ -245,9 +316,10 @@ impl Joined {
 
     /// Which hook the host wrote: true for `material` and `light`, false for `shade`.
     fn hook(&self, file: &str, module: &naga::Module) -> Result<bool, ShadingError> {
-        let shade = self.signature(file, module, SHADE, &["DaaSample"], None)?;
-        let material = self.signature(file, module, MATERIAL, &["DaaSample"], Some("DaaMaterial"))?;
-        let light = self.signature(file, module, LIGHT, &["DaaSurface", "DaaMaterial"], None)?;
+        let [sample, surface, material] = ["DaaSample", "DaaSurface", "DaaMaterial"].map(Type::Struct);
+        let shade = self.signature(file, module, SHADE, &[sample], Type::VEC4F)?;
+        let light = self.signature(file, module, LIGHT, &[surface, material], Type::VEC4F)?;
+        let material = self.signature(file, module, MATERIAL, &[sample], material)?;
         let wrong = |name: &str, kind| self.error(file, self.declaration(name), kind);
         match (shade, material, light) {
             (true, false, false) => Ok(false),
@@ -263,28 +335,21 @@ impl Joined {
         }
     }
 
-    /// Whether a function is there; an error if it is, with another signature. `result` None: vec4f.
+    /// Whether a function is there; an error if it is, with another signature.
     fn signature(
         &self,
         file: &str,
         module: &naga::Module,
         (name, expected): (&'static str, &'static str),
-        arguments: &[&str],
-        result: Option<&str>,
+        arguments: &[Type],
+        result: Type,
     ) -> Result<bool, ShadingError> {
         let Some((_, function)) = module.functions.iter().find(|(_, f)| f.name.as_deref() == Some(name)) else {
             return Ok(false);
         };
-        let type_name = |ty| module.types[ty].name.as_deref();
         let right_arguments = function.arguments.len() == arguments.len()
-            && function.arguments.iter().zip(arguments).all(|(a, &name)| type_name(a.ty) == Some(name));
-        let right_result = function.result.as_ref().is_some_and(|r| match result {
-            Some(name) => type_name(r.ty) == Some(name),
-            None => {
-                module.types[r.ty].inner
-                    == naga::TypeInner::Vector { size: naga::VectorSize::Quad, scalar: naga::Scalar::F32 }
-            }
-        });
+            && function.arguments.iter().zip(arguments).all(|(a, wanted)| wanted.is(&module.types[a.ty]));
+        let right_result = function.result.as_ref().is_some_and(|r| result.is(&module.types[r.ty]));
         if right_arguments && right_result {
             return Ok(true);
         }
@@ -300,9 +365,10 @@ fn one_line(text: &str) -> String {
 /// would change what the crate's code means. A test holds the list against the shaders.
 #[rustfmt::skip]
 pub(crate) const BUILTINS: &[&str] = &[
-    "abs", "all", "any", "array", "arrayLength", "atan2", "atomic", "atomicAdd", "atomicLoad", "binding_array",
-    "bitcast", "bool", "clamp", "cos", "cross", "dot", "exp2", "f32", "fract", "i32", "inverseSqrt", "length", "log2",
-    "mat4x2f", "mat4x4f", "max", "min", "normalize", "pow", "round", "sampler", "select", "sin", "sqrt", "textureLoad",
+    "RayDesc", "abs", "all", "any", "array", "arrayLength", "atan2", "atomic", "atomicAdd", "atomicLoad", "binding_array",
+    "bitcast", "bool", "clamp", "cos", "countOneBits", "cross", "dot", "exp2", "f32", "firstLeadingBit", "fract", "i32", "inverseSqrt", "length", "log2",
+    "mat4x2f", "mat4x4f", "max", "min", "normalize", "pow", "rayQueryConfirmIntersection", "rayQueryGetCandidateIntersection", "rayQueryGetCommittedIntersection",
+    "rayQueryInitialize", "rayQueryProceed", "round", "sampler", "select", "sin", "sqrt", "textureLoad",
     "textureSampleGrad", "textureStore", "texture_2d", "texture_2d_array", "texture_depth_2d", "texture_storage_2d",
     "u32", "unpack2x16float", "unpack2x16snorm", "unpack4x8snorm", "unpack4x8unorm", "vec2f", "vec2i", "vec2u",
     "vec3f", "vec3u", "vec4f", "vec4u", "workgroupBarrier",

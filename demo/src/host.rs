@@ -3,11 +3,13 @@
 use crate::gpu::Gpu;
 use crate::picture::Picture;
 use crate::raster::{Raster, node_camera};
+use crate::rays::{self, Rays};
 use crate::scene::{Camera, Scene};
 use crate::upload::{GpuScene, UploadError};
+use deferred_aa::rays::{RayError, RayTier};
 use deferred_aa::{
-    BuildError, DeferredAa, Descriptor, Frame, GBuffer, RecordError, Settings, Shading, SizeError, Statistics,
-    Technique, TextureTier,
+    BuildError, CastingLight, DeferredAa, Descriptor, Effect, Frame, GBuffer, Needs, RecordError, Settings, Shading,
+    SizeError, Statistics, Technique, TextureTier,
 };
 
 /// Of the target: linear HDR, as most engines have it.
@@ -34,6 +36,8 @@ pub struct Options {
     pub stall: u32,
     /// Of texture reads, 1 to 16.
     pub anisotropy: u16,
+    /// Who traces rays.
+    pub rays: RayTier,
 }
 
 /// A host with a scene loaded.
@@ -49,6 +53,8 @@ pub struct Host {
     pub uploaded: GpuScene,
     /// What is fixed.
     pub options: Options,
+    /// From the first frame that traces.
+    pub rays: Option<Rays>,
     raster: Raster,
     host_bind_group: wgpu::BindGroup,
     lighting: wgpu::Buffer,
@@ -81,6 +87,9 @@ pub enum HostError {
     /// The frame was refused.
     #[error(transparent)]
     Record(#[from] RecordError),
+    /// Rays can't be traced through the scene.
+    #[error(transparent)]
+    Rays(#[from] RayError),
     /// wgpu complained.
     #[error("the graphics driver refused the frame: {0}")]
     Device(String),
@@ -112,16 +121,19 @@ pub(crate) struct Lighting {
     pub(crate) zenith: [f32; 4],
     pub(crate) horizon: [f32; 4],
     pub(crate) ground: [f32; 4],
+    pub(crate) sun_casts: u32,
+    pub(crate) padding: [u32; 3],
 }
 
 /// What the demo's nodes are built from.
-pub fn descriptor(m: u32, textures: TextureTier) -> Descriptor<'static> {
+pub fn descriptor(m: u32, textures: TextureTier, rays: RayTier) -> Descriptor<'static> {
     Descriptor {
         m,
         target_format: TARGET_FORMAT,
         shading: Shading { source: SHADING_WGSL, file: "demo/src/shading.wgsl" },
         textures,
         texture_capacity: TEXTURE_CAPACITY,
+        rays: Some(rays),
     }
 }
 
@@ -169,7 +181,7 @@ impl Host {
     pub fn new(gpu: Gpu, scene: Scene, options: Options) -> Result<Self, HostError> {
         let device = &gpu.device;
         let layout = host_layout(device);
-        let mut aa = DeferredAa::new(device, &descriptor(options.m, options.textures), Some(&layout))?;
+        let mut aa = DeferredAa::new(device, &descriptor(options.m, options.textures, options.rays), Some(&layout))?;
         aa.resize(device, options.width, options.height)?;
         let uploaded = GpuScene::new(device, &gpu.queue, &aa, &scene, options.anisotropy)?;
         let raster = Raster::new(device, &aa, options.textures, &scene, &uploaded);
@@ -188,6 +200,8 @@ impl Host {
             zenith: scene.sky.zenith.extend(0.0).to_array(),
             horizon: scene.sky.horizon.extend(0.0).to_array(),
             ground: scene.sky.ground.extend(0.0).to_array(),
+            sun_casts: rays::sun_bit(&scene),
+            padding: [0; 3],
         };
         gpu.queue.write_buffer(&lighting, 0, bytemuck::bytes_of(&values));
         let host_bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
@@ -205,6 +219,7 @@ impl Host {
             scene,
             uploaded,
             options,
+            rays: None,
             raster,
             host_bind_group,
             lighting,
@@ -248,7 +263,21 @@ impl Host {
         camera: deferred_aa::Camera,
         settings: Settings,
     ) -> Result<Statistics, HostError> {
+        let shadows = self.casting(settings.shadows);
+        let traces = settings.shadows == Effect::On || !shadows.is_empty();
+        if traces {
+            let rays = match &mut self.rays {
+                Some(rays) => rays,
+                none => {
+                    let (device, queue) = (&self.gpu.device, &self.gpu.queue);
+                    none.insert(Rays::new(device, queue, self.options.rays, &self.scene)?)
+                }
+            };
+            rays.update(&self.gpu.device, &self.gpu.queue, &mut encoder, camera.world_from_view.w_axis.truncate())?;
+        }
+        let rays = self.rays.as_ref().filter(|_| traces).map(|r| &r.scene);
         let frame = Frame {
+            needs: Needs { rays, shadows: &shadows },
             camera,
             settings,
             exposure: 1.0,
@@ -262,6 +291,15 @@ impl Host {
         self.gpu.wait();
         self.complaints()?;
         Ok(self.aa.statistics().ok_or(HostError::NoStatistics)?.clone())
+    }
+
+    /// The lights that cast shadows in a frame: those of the scene that do, and the sun if it does or is asked to.
+    fn casting(&self, shadows: Effect) -> Vec<CastingLight> {
+        match shadows {
+            Effect::Off => Vec::new(),
+            Effect::Auto => rays::casting_lights(&self.scene, self.scene.sun.is_some_and(|s| s.casts)),
+            Effect::On => rays::casting_lights(&self.scene, true),
+        }
     }
 
     /// Changes the output size. The picture is lost.

@@ -59,9 +59,11 @@ fn lights_are_the_shaders() {
         direction,
         spot_scale,
         spot_offset,
+        casts,
         padding,
     });
-    let lighting = rust_layout!(Lighting { to_sun, light_count, sun, stall, zenith, horizon, ground });
+    let lighting =
+        rust_layout!(Lighting { to_sun, light_count, sun, stall, zenith, horizon, ground, sun_casts, padding });
     for tier in TIERS {
         assert_eq!(wgsl_layout(&shading(tier), "Light"), light);
         assert_eq!(wgsl_layout(&shading(tier), "Lighting"), lighting);

@@ -17,6 +17,7 @@ pub mod peers;
 pub mod picture;
 pub mod quality;
 pub mod raster;
+pub mod rays;
 pub mod report;
 pub mod scene;
 pub mod stats;

@@ -12,6 +12,8 @@ struct Lighting {
     zenith: vec4f,
     horizon: vec4f,
     ground: vec4f,
+    /// The sun's shadow bit.
+    sun_casts: u32,
 }
 
 struct Light {
@@ -25,7 +27,9 @@ struct Light {
     direction: vec3f,
     spot_scale: f32,
     spot_offset: f32,
-    padding: array<u32, 3>,
+    /// Its shadow bit, 0 if it casts none.
+    casts: u32,
+    padding: array<u32, 2>,
 }
 
 @group(2) @binding(0) var<uniform> lighting: Lighting;
@@ -75,6 +79,16 @@ fn material(s: DaaSample) -> DaaMaterial {
     return m;
 }
 
+/// Where a masked material stops a ray: at the finest mip, for a ray has no footprint here.
+fn solid(material: u32, uv: vec2f) -> bool {
+    let index = min(material, arrayLength(&materials) - 1u);
+    var alpha = materials[index].base_color.a;
+    if materials[index].textures[BASE_COLOR] != NO_TEXTURE {
+        alpha *= material_texture(index, BASE_COLOR, uv, vec2f(0.0), vec2f(0.0)).a;
+    }
+    return alpha >= materials[index].alpha_cutoff;
+}
+
 struct Brdf {
     diffuse: vec3f,
     f0: vec3f,
@@ -105,9 +119,15 @@ fn reflected(b: Brdf, l: vec3f) -> vec3f {
 }
 
 fn lit(f: DaaSurface, b: Brdf) -> vec3f {
-    var sum = reflected(b, lighting.to_sun) * lighting.sun;
+    var sum = vec3f(0.0);
+    if (f.shadow & lighting.sun_casts) == 0u {
+        sum = reflected(b, lighting.to_sun) * lighting.sun;
+    }
     for (var i = 0u; i < lighting.light_count; i++) {
         let light = lights[i];
+        if (f.shadow & light.casts) != 0u {
+            continue;
+        }
         var to_light = -light.direction;
         var intensity = light.intensity;
         if light.kind != 2u {

@@ -3,7 +3,7 @@
 use crate::gpu::Gpu;
 use crate::host::{Host, Shot};
 use crate::quality::Quality;
-use deferred_aa::{DeferredAa, Settings};
+use deferred_aa::Settings;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -118,6 +118,7 @@ impl Stats {
         let last = shots.last()?;
         let memory = host.aa.memory();
         let s = &last.statistics;
+        let scene = host.rays.as_ref().map_or(0, |r| r.scene.bytes());
         Some(Self {
             scene: host.scene.name.clone(),
             width: host.options.width,
@@ -128,11 +129,16 @@ impl Stats {
             stall: host.options.stall,
             adapter: Adapter::of(&host.gpu),
             samples: Samples { shaded: s.shaded, ratio: s.ratio, mean_k: s.mean_k, histogram_k: s.histogram_k.clone() },
-            rays: Rays { shadow: 0, reflection: 0, refraction: 0, primary: 0 },
+            rays: Rays { shadow: u64::from(s.shadow_rays), reflection: 0, refraction: 0, primary: 0 },
             time_ms: times(shots),
-            memory_bytes: Memory { gbuffer: memory.gbuffer, scratch: memory.scratch, rays: 0, peak: None },
+            memory_bytes: Memory {
+                gbuffer: memory.gbuffer,
+                scratch: memory.scratch,
+                rays: memory.rays + scene,
+                peak: None,
+            },
             quality: Against { grid, truth: None },
-            passes: DeferredAa::passes(&settings).map(|p| p.info.name.to_owned()).collect(),
+            passes: s.passes.iter().map(|p| p.name.to_owned()).collect(),
         })
     }
 

@@ -133,6 +133,7 @@ mod tests {
     use crate::host::{self, Host, Options};
     use crate::scene::builtin::builtin;
     use crate::{gpu, gpu::Gpu};
+    use deferred_aa::rays::RayTier;
     use deferred_aa::{Settings, Technique, TextureTier};
 
     fn grey(values: &[f32]) -> Picture {
@@ -219,8 +220,17 @@ mod tests {
     #[test]
     fn a_pan_of_all_frames_is_one_pixel() {
         let (width, height, m) = (64, 36, 2);
-        let gpu = Gpu::new(gpu::choose(None).unwrap(), &host::descriptor(m, TextureTier::Arrays)).unwrap();
-        let options = Options { width, height, m, textures: TextureTier::Arrays, stall: 1, anisotropy: 16 };
+        let gpu =
+            Gpu::new(gpu::choose(None).unwrap(), &host::descriptor(m, TextureTier::Arrays, RayTier::Software)).unwrap();
+        let options = Options {
+            width,
+            height,
+            m,
+            textures: TextureTier::Arrays,
+            stall: 1,
+            anisotropy: 16,
+            rays: RayTier::Software,
+        };
         let mut host = Host::new(gpu, builtin("fence").unwrap(), options).unwrap();
         let view = host.scene.default_camera();
         let settings = Settings { technique: Technique::Full, ..Default::default() };

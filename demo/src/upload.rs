@@ -2,7 +2,7 @@
 
 use crate::mips;
 use crate::scene::{LightKind, Material, Scene, Texture, TextureRef, Wrap};
-use deferred_aa::{DeferredAa, MAX_CLASSES, TableError, TableSampler, TableTexture, TextureTable};
+use deferred_aa::{DeferredAa, MAX_CASTING_LIGHTS, MAX_CLASSES, TableError, TableSampler, TableTexture, TextureTable};
 use glam::Vec3;
 use std::collections::HashMap;
 
@@ -85,7 +85,9 @@ pub struct GpuLight {
     pub(crate) direction: [f32; 3],
     pub(crate) spot_scale: f32,
     pub(crate) spot_offset: f32,
-    pub(crate) padding: [u32; 3],
+    /// Its shadow bit, 0 if it casts none.
+    pub(crate) casts: u32,
+    pub(crate) padding: [u32; 2],
 }
 
 /// The scene does not fit the device.
@@ -142,7 +144,7 @@ impl GpuScene {
                 normal: mesh.normals[i].to_array(),
                 tangent: mesh.tangents[i].to_array(),
                 uv: mesh.uvs[i].to_array(),
-                color: mesh.colors[i].to_array().map(|c| (c.clamp(0.0, 1.0) * 255.0 + 0.5) as u8),
+                color: color(mesh.colors[i]),
             }));
         }
         let mut materials: Vec<_> = scene.materials.iter().map(gpu_material).collect();
@@ -150,6 +152,10 @@ impl GpuScene {
             materials.push(bytemuck::Zeroable::zeroed());
         }
         let mut lights: Vec<_> = scene.lights.iter().map(gpu_light).collect();
+        let casting = lights.iter_mut().zip(&scene.lights).filter(|(_, l)| l.casts).map(|(to, _)| to);
+        for (bit, light) in casting.take(MAX_CASTING_LIGHTS - 1).enumerate() {
+            light.casts = 1 << bit;
+        }
         let light_count = lights.len() as u32;
         if lights.is_empty() {
             lights.push(bytemuck::Zeroable::zeroed());
@@ -199,6 +205,11 @@ fn buffer(
     Ok(made)
 }
 
+/// 8 bits a channel.
+pub(crate) fn color(c: glam::Vec4) -> [u8; 4] {
+    c.to_array().map(|c| (c.clamp(0.0, 1.0) * 255.0 + 0.5) as u8)
+}
+
 fn gpu_material(m: &Material) -> GpuMaterial {
     let refs =
         [m.base_color_texture, m.metallic_roughness_texture, m.normal_texture, m.occlusion_texture, m.emissive_texture];
@@ -241,7 +252,8 @@ fn gpu_light(l: &crate::scene::Light) -> GpuLight {
         direction: l.direction.to_array(),
         spot_scale: scale,
         spot_offset: offset,
-        padding: [0; 3],
+        casts: 0,
+        padding: [0; 2],
     }
 }
 

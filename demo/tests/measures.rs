@@ -1,5 +1,6 @@
 //! The peers and the oracle on a scene: do they mean what they say?
 
+use deferred_aa::rays::RayTier;
 use deferred_aa::{Settings, Technique, TextureTier};
 use deferred_aa_demo::gpu::{self, Gpu};
 use deferred_aa_demo::host::{self, Host, Options};
@@ -14,8 +15,10 @@ const HEIGHT: u32 = 90;
 const M: u32 = 4;
 
 fn host(scene: &str, width: u32, height: u32, m: u32) -> Host {
-    let gpu = Gpu::new(gpu::choose(None).unwrap(), &host::descriptor(m, TextureTier::Arrays)).unwrap();
-    let options = Options { width, height, m, textures: TextureTier::Arrays, stall: 1, anisotropy: 16 };
+    let gpu =
+        Gpu::new(gpu::choose(None).unwrap(), &host::descriptor(m, TextureTier::Arrays, RayTier::Software)).unwrap();
+    let options =
+        Options { width, height, m, textures: TextureTier::Arrays, stall: 1, anisotropy: 16, rays: RayTier::Software };
     Host::new(gpu, builtin(scene).unwrap(), options).unwrap()
 }
 

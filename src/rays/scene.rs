@@ -6,6 +6,7 @@ use super::{RayError, RayTier};
 use glam::{Affine3A, DMat3, DVec3, Vec3};
 use obvhs::aabb::Aabb;
 use obvhs::cwbvh::node::CwBvhNode;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// A bottom level of a [`RayScene`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -62,6 +63,8 @@ pub struct RayScene {
     /// Vec4s used of `nodes` and `geometry`.
     used: [u64; 2],
     instances: u32,
+    tier: RayTier,
+    camera: Vec3,
     generation: u64,
     /// What `update` uploads, kept so as not to be allocated anew.
     upload: Vec<[u32; 4]>,
@@ -140,7 +143,9 @@ impl RayScene {
             meshes: Vec::new(),
             used: [0, 0],
             instances: 0,
-            generation: 0,
+            tier,
+            camera: Vec3::ZERO,
+            generation: next_generation(),
             upload: Vec::new(),
         }
     }
@@ -182,9 +187,9 @@ impl RayScene {
 
         // Counted one by one: the first may be another one even where the second finds no room.
         let grown = self.nodes.reserve(device, Some(&mut *encoder), nodes_end * VEC4, nodes * VEC4)?;
-        self.generation += u64::from(grown);
+        self.changed(grown);
         let grown = self.geometry.reserve(device, Some(&mut *encoder), end * VEC4, geometry * VEC4)?;
-        self.generation += u64::from(grown);
+        self.changed(grown);
         if let Some(structures) = &mut self.structures {
             structures.add(device, queue, encoder, mesh)?;
         }
@@ -248,9 +253,10 @@ impl RayScene {
         let first = 1 + nodes.len() * RECORD;
         let bytes = (first + records.len() * RECORD) as u64 * VEC4;
         let grown = self.top.reserve(device, None, bytes, 0)?;
-        self.generation += u64::from(grown);
+        self.changed(grown);
         if let Some(structures) = &mut self.structures {
-            self.generation += u64::from(structures.update(device, encoder, &places)?);
+            let grown = structures.update(device, encoder, &places)?;
+            self.changed(grown);
         }
         self.upload.clear();
         self.upload.push([first as u32, records.len() as u32, 0, 0]);
@@ -260,6 +266,7 @@ impl RayScene {
         }
         queue.write_buffer(&self.top.buffer, 0, bytemuck::cast_slice(&self.upload));
         self.instances = records.len() as u32;
+        self.camera = camera;
         Ok(())
     }
 
@@ -283,10 +290,31 @@ impl RayScene {
         [&self.nodes.buffer, &self.geometry.buffer, &self.top.buffer]
     }
 
-    /// Changes when a buffer is another one: bind groups must be made anew.
+    /// Changes when a buffer is another one: bind groups must be made anew. No two scenes have the same.
     pub fn generation(&self) -> u64 {
         self.generation
     }
+
+    fn changed(&mut self, grown: bool) {
+        if grown {
+            self.generation = next_generation();
+        }
+    }
+
+    /// Who traces.
+    pub fn tier(&self) -> RayTier {
+        self.tier
+    }
+
+    /// Where rays are relative to, in the world.
+    pub fn camera(&self) -> Vec3 {
+        self.camera
+    }
+}
+
+fn next_generation() -> u64 {
+    static NEXT: AtomicU64 = AtomicU64::new(0);
+    NEXT.fetch_add(1, Ordering::Relaxed)
 }
 
 /// Where an instance lies, relative to the camera.

@@ -3,8 +3,8 @@
 use crate::harness::{self, Rig, SHOW_USER, Sample, WHITE, fill, noise, rgba8};
 use deferred_aa::glam::{Mat4, Vec2, Vec3, Vec4, camera::rh::proj::directx};
 use deferred_aa::{
-    BuildError, Camera, DebugView, DeferredAa, Descriptor, Execution, Frame, PipelineError, RecordError, Resource,
-    Settings, SettingsError, Shading, SizeError, TableError, Technique, TextureTier, Windowed, wgpu,
+    BuildError, Camera, DebugView, DeferredAa, Descriptor, Execution, Frame, Needs, PipelineError, RecordError,
+    Resource, Settings, SettingsError, Shading, SizeError, TableError, Technique, TextureTier, Windowed, wgpu,
 };
 use deferred_aa_demo::gpu::Gpu;
 use insta::assert_snapshot;
@@ -31,7 +31,7 @@ fn way((technique, execution): (Technique, Execution)) -> Settings {
 
 fn descriptor(m: u32, target_format: TextureFormat, source: &str) -> Descriptor<'_> {
     let shading = Shading { source, file: "test.wgsl" };
-    Descriptor { m, target_format, shading, textures: TextureTier::None, texture_capacity: 0 }
+    Descriptor { m, target_format, shading, textures: TextureTier::None, texture_capacity: 0, rays: None }
 }
 
 fn node(gpu: &Gpu, m: u32, format: TextureFormat, source: &str) -> DeferredAa {
@@ -70,6 +70,7 @@ fn frame(target: &wgpu::TextureView, settings: Settings) -> Frame<'_> {
         host_bind_group: None,
         textures: None,
         target,
+        needs: Needs::default(),
         statistics: true,
     }
 }
@@ -402,7 +403,7 @@ fn settings_name_the_field() {
     let settings = Settings { windowed, ..Default::default() };
     let same = RecordError::Settings(settings.validate().expect_err("out of range"));
     assert_eq!(refused(&gpu, &mut aa, &frame(&view, settings)), same);
-    assert_eq!(aa.warm_up(&settings), Err(same));
+    assert_eq!(aa.warm_up(&settings, &Needs::default()), Err(same));
 }
 
 #[test]
@@ -425,7 +426,8 @@ fn every_view_renders_on_every_way() {
 
 #[test]
 fn passes_come_in_order_and_read_what_is_written() {
-    let names = |settings: &Settings| DeferredAa::passes(settings).map(|p| p.info.name).collect::<Vec<_>>();
+    let names =
+        |settings: &Settings| DeferredAa::passes(settings, &Needs::default()).map(|p| p.info.name).collect::<Vec<_>>();
     let expected: [&[&str]; 4] = [
         &["shade", "resolve"],
         &["first", "resolve"],
@@ -437,7 +439,7 @@ fn passes_come_in_order_and_read_what_is_written() {
         for view in DebugView::ALL {
             let settings = Settings { view, ..way(w) };
             let mut written = vec![Resource::GBuffer, Resource::Host];
-            for pass in DeferredAa::passes(&settings) {
+            for pass in DeferredAa::passes(&settings, &Needs::default()) {
                 for read in pass.info.reads {
                     assert!(
                         written.contains(read),
@@ -448,7 +450,9 @@ fn passes_come_in_order_and_read_what_is_written() {
                 written.extend(pass.info.writes);
             }
             assert_eq!(names(&settings).last(), Some(&if view == DebugView::Image { "resolve" } else { "view" }));
-            let targets = DeferredAa::passes(&settings).filter(|p| p.info.writes.contains(&Resource::Target)).count();
+            let targets = DeferredAa::passes(&settings, &Needs::default())
+                .filter(|p| p.info.writes.contains(&Resource::Target))
+                .count();
             assert_eq!(targets, 1);
         }
     }
@@ -464,7 +468,8 @@ fn passes_recorded_one_by_one_are_the_frame() {
             let counted = aa.statistics().expect("statistics").clone();
             let (image, view) = target(&gpu, Rgba16Float);
             let frame = frame(&view, settings);
-            let mut encoders: Vec<_> = DeferredAa::passes(&settings).map(|pass| (pass, encoder(&gpu))).collect();
+            let mut encoders: Vec<_> =
+                DeferredAa::passes(&settings, &Needs::default()).map(|pass| (pass, encoder(&gpu))).collect();
             let mut before = encoder(&gpu);
             let mut after = encoder(&gpu);
             let recording = aa.begin(&gpu.queue, &mut before, &frame).expect("a frame");
@@ -505,7 +510,7 @@ fn statistics_arrive_when_asked_for() {
     assert_eq!((statistics.frame, statistics.technique), (2, Technique::Windowed));
     assert_eq!(statistics.histogram_k.iter().sum::<u32>(), WIDTH * HEIGHT);
     assert_eq!(statistics.decided.iter().sum::<u32>(), WIDTH * HEIGHT);
-    assert_eq!(statistics.passes.len(), DeferredAa::passes(&Settings::default()).count());
+    assert_eq!(statistics.passes.len(), DeferredAa::passes(&Settings::default(), &Needs::default()).count());
     assert_eq!(aa.statistics(), Some(&statistics), "kept until newer ones arrive");
     no_errors(&gpu);
 }

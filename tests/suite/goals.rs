@@ -2,8 +2,9 @@
 
 use crate::harness::{Rig, SHOW_USER, Sample, noise, rgba8};
 use deferred_aa::glam::Vec3;
+use deferred_aa::rays::RayTier;
 use deferred_aa::reference::audit;
-use deferred_aa::{DeferredAa, Execution, Goal, GoalState, Settings, Technique, TextureTier};
+use deferred_aa::{DeferredAa, Execution, Goal, GoalState, Needs, Settings, Technique, TextureTier};
 use deferred_aa_demo::gpu::{self, Gpu};
 use deferred_aa_demo::host::{self, Host, Options};
 use deferred_aa_demo::scene::builtin;
@@ -70,8 +71,16 @@ fn an_error_is_kept_on_every_scene() {
         let scene = builtin::builtin(name).expect("built in");
         let camera = scene.default_camera();
         let adapter = gpu::choose(None).expect("tests need an adapter");
-        let gpu = Gpu::new(adapter, &host::descriptor(4, TextureTier::Arrays)).expect("a device");
-        let options = Options { width: 64, height: 36, m: 4, textures: TextureTier::Arrays, stall: 1, anisotropy: 16 };
+        let gpu = Gpu::new(adapter, &host::descriptor(4, TextureTier::Arrays, RayTier::Software)).expect("a device");
+        let options = Options {
+            width: 64,
+            height: 36,
+            m: 4,
+            textures: TextureTier::Arrays,
+            stall: 1,
+            anisotropy: 16,
+            rays: RayTier::Software,
+        };
         let mut host = Host::new(gpu, scene, options).expect("a host");
         host.frame(&camera, Settings { technique: Technique::Full, ..Default::default() }).expect("a frame");
         let full = host.picture();
@@ -97,13 +106,16 @@ fn an_error_is_kept_on_every_scene() {
 
 #[test]
 fn only_an_error_is_audited() {
-    let names =
-        |goal| DeferredAa::passes(&Settings { goal, ..Default::default() }).map(|p| p.info.name).collect::<Vec<_>>();
+    let names = |goal| {
+        DeferredAa::passes(&Settings { goal, ..Default::default() }, &Needs::default())
+            .map(|p| p.info.name)
+            .collect::<Vec<_>>()
+    };
     let plain = names(None);
     assert_eq!(names(Some(Goal::Time(8.0))), plain);
     assert_eq!(names(Some(Goal::Error(0.01))), [&plain[..], &["audit"]].concat());
     let single = Settings { technique: Technique::Single, goal: Some(Goal::Error(0.01)), ..Default::default() };
-    assert!(DeferredAa::passes(&single).all(|p| p.info.name != "audit"));
+    assert!(DeferredAa::passes(&single, &Needs::default()).all(|p| p.info.name != "audit"));
 }
 
 /// The search rests: after it has settled, a still camera gives the same bits and the same samples.

@@ -121,6 +121,7 @@ impl Rig {
             shading: Shading { source: shading, file: "test.wgsl" },
             textures: TextureTier::None,
             texture_capacity: 0,
+            rays: None,
         };
         let mut aa = DeferredAa::new(&gpu.device, &descriptor, None).expect("a node");
         aa.resize(&gpu.device, width, height).expect("a size");
@@ -147,6 +148,7 @@ impl Rig {
     pub fn try_record(&mut self, settings: Settings) -> Result<wgpu::CommandBuffer, RecordError> {
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         let frame = Frame {
+            needs: deferred_aa::Needs::default(),
             camera: self.camera,
             settings,
             exposure: self.exposure,

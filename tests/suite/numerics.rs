@@ -3,6 +3,7 @@
 use crate::harness::{Output, Rig, SHOW_USER, Sample, WHITE, camera, device, noise, rgba8, stored_normal};
 use crate::textures::{SHOW_TEXTURE, Textured, fixed_k, full, level, mip_ruler, single, texture, tiers};
 use deferred_aa::glam::{DVec3, Mat4, Vec2, Vec3, Vec4};
+use deferred_aa::rays::RayTier;
 use deferred_aa::reference::metrics::SKY_DEPTH;
 use deferred_aa::reference::{octahedral, plan, resolve};
 use deferred_aa::wgpu::TextureFormat;
@@ -1139,7 +1140,15 @@ fn row_25_everything_at_the_near_plane_or_far_away_is_finite() {
 fn row_25_a_camera_inside_geometry_or_beyond_it_still_gives_a_picture() {
     let scene = builtin::builtin("cornell").unwrap();
     let own = scene.default_camera();
-    let options = Options { width: 32, height: 18, m: 2, textures: TextureTier::Arrays, stall: 1, anisotropy: 4 };
+    let options = Options {
+        width: 32,
+        height: 18,
+        m: 2,
+        textures: TextureTier::Arrays,
+        stall: 1,
+        anisotropy: 4,
+        rays: RayTier::Software,
+    };
     let mut host = Host::new(device(TextureTier::Arrays), scene, options).unwrap();
     let at = |eye: Vec3| deferred_aa_demo::scene::Camera { eye, target: eye + Vec3::NEG_Z, ..own };
     let cameras = [

@@ -258,6 +258,7 @@ fn new_gives_the_same_error() {
         shading,
         textures: TextureTier::None,
         texture_capacity: 0,
+        rays: None,
     };
     let built = DeferredAa::new(&gpu.device, &descriptor, None).map(|_| ());
     let checked = DeferredAa::check_shading(shading, TextureTier::None, wgpu::Features::empty());

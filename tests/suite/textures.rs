@@ -75,7 +75,7 @@ pub fn flat(gpu: &Gpu, color: [u8; 4]) -> wgpu::Texture {
 pub fn node(gpu: &Gpu, tier: TextureTier, m: u32, shading: &str, texture_capacity: u32) -> DeferredAa {
     let target_format = TextureFormat::Rgba32Float;
     let shading = Shading { source: shading, file: "test.wgsl" };
-    let descriptor = Descriptor { m, target_format, shading, textures: tier, texture_capacity };
+    let descriptor = Descriptor { m, target_format, shading, textures: tier, texture_capacity, rays: None };
     DeferredAa::new(&gpu.device, &descriptor, None).expect("a node")
 }
 
@@ -121,6 +121,7 @@ impl Textured {
     pub fn run(&mut self, settings: Settings) -> (Vec<[f32; 4]>, Statistics) {
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         let frame = Frame {
+            needs: deferred_aa::Needs::default(),
             camera: camera(self.size[0] as f32 / self.size[1] as f32),
             settings,
             exposure: 1.0,
@@ -554,7 +555,7 @@ fn a_device_of_just_what_is_required_runs_every_tier() {
         for texture_capacity in [1, 300] {
             let target_format = TextureFormat::Rgba32Float;
             let shading = Shading { source: SHOW_TEXTURE, file: "test.wgsl" };
-            let descriptor = Descriptor { m: 2, target_format, shading, textures: tier, texture_capacity };
+            let descriptor = Descriptor { m: 2, target_format, shading, textures: tier, texture_capacity, rays: None };
             let adapter = device(tier).adapter;
             let needs = DeferredAa::requirements(&adapter, &descriptor);
             assert_eq!(needs.missing, Vec::<String>::new());

@@ -2,6 +2,7 @@
 
 use super::say;
 use crate::{gpu, host};
+use deferred_aa::rays::RayTier;
 use deferred_aa::{DeferredAa, TextureTier};
 
 /// Prints a paragraph for each adapter.
@@ -22,7 +23,7 @@ fn describe(adapter: &wgpu::Adapter) -> Vec<String> {
         info.name, info.backend, info.device_type, info.driver, info.driver_info
     )];
     for (tier, name) in [(TextureTier::Arrays, "arrays"), (TextureTier::Bindings, "bindings")] {
-        let requirements = DeferredAa::requirements(adapter, &host::descriptor(4, tier));
+        let requirements = DeferredAa::requirements(adapter, &host::descriptor(4, tier, RayTier::Software));
         lines.push(match requirements.missing.as_slice() {
             [] => format!("texture {name}: yes"),
             missing => format!("texture {name}: no, it lacks {}", missing.join(", ")),

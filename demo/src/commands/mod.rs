@@ -16,6 +16,7 @@ use crate::raster::look_at;
 use crate::report::ReportError;
 use crate::scene::load::LoadError;
 use crate::scene::{Camera, Scene, builtin, load};
+use deferred_aa::rays::RayTier;
 use deferred_aa::{Preset, Technique, TextureTier};
 use glam::Vec3;
 use std::path::{Path, PathBuf};
@@ -225,7 +226,15 @@ impl ViewArgs {
         let Opened { scene, gpu, camera } = args.open(m)?;
         let (width, height) = args.size;
         let textures = args.textures.tier();
-        let options = Options { width, height, m, textures, stall: args.stall, anisotropy: args.anisotropy };
+        let options = Options {
+            width,
+            height,
+            m,
+            textures,
+            stall: args.stall,
+            anisotropy: args.anisotropy,
+            rays: RayTier::Software,
+        };
         let host = Host::new(gpu, scene, options)?;
         note(&host);
         Ok((host, camera))
@@ -252,7 +261,7 @@ impl SceneArgs {
         std::fs::create_dir_all(&self.out)
             .map_err(|e| wrong("--out", format!("{}: {e}; name a folder that can be made", self.out.display())))?;
         let adapter = gpu::choose(self.adapter.as_deref())?;
-        let gpu = Gpu::new(adapter, &host::descriptor(m, self.textures.tier()))?;
+        let gpu = Gpu::new(adapter, &host::descriptor(m, self.textures.tier(), RayTier::Software))?;
         let own = scene.default_camera();
         let camera = self.camera.map_or(own, |c| look_at(c.eye, c.target, c.fov_y, own.near));
         Ok(Opened { scene, gpu, camera })

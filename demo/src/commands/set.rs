@@ -27,8 +27,8 @@ pub fn apply(settings: Settings, assignments: &[String]) -> Result<Settings, Com
         }
         let value = value.trim();
         *place = match value {
-            "on" => Value::Bool(true),
-            "off" => Value::Bool(false),
+            "on" if place.is_boolean() => Value::Bool(true),
+            "off" if place.is_boolean() => Value::Bool(false),
             _ => serde_json::from_str(value).unwrap_or_else(|_| Value::String(value.to_owned())),
         };
         // At once, so that the message names the assignment at fault.
@@ -58,7 +58,7 @@ fn meant(path: &str, paths: &[String]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use deferred_aa::{DepthMeasure, Execution};
+    use deferred_aa::{DepthMeasure, Effect, Execution};
 
     fn set(assignments: &[&str]) -> Result<Settings, String> {
         let owned: Vec<_> = assignments.iter().map(|&a| a.to_owned()).collect();
@@ -73,6 +73,8 @@ mod tests {
         assert_eq!(s.windowed.depth, DepthMeasure::Variance);
         assert_eq!(s.execution, Execution::Loop);
         assert!(s.windowed.two_sided);
+        assert_eq!(set(&["shadows=on"]).unwrap().shadows, Effect::On);
+        assert_eq!(set(&["shadows=off", "shadows=auto"]).unwrap().shadows, Effect::Auto);
     }
 
     #[test]

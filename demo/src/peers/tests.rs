@@ -1,12 +1,13 @@
 use super::*;
 use crate::{gpu, host};
 use deferred_aa::TextureTier;
+use deferred_aa::rays::RayTier;
 
 const DARK: u8 = 40;
 const BRIGHT: u8 = 200;
 
 fn gpu() -> Gpu {
-    Gpu::new(gpu::choose(None).unwrap(), &host::descriptor(1, TextureTier::Arrays)).unwrap()
+    Gpu::new(gpu::choose(None).unwrap(), &host::descriptor(1, TextureTier::Arrays, RayTier::Software)).unwrap()
 }
 
 /// Linear HDR of the host's format.

@@ -181,6 +181,7 @@ mod tests {
     use crate::host;
     use crate::report::folder::Folder;
     use crate::scene::builtin::builtin;
+    use deferred_aa::rays::RayTier;
     use deferred_aa::{Settings, TextureTier};
     use std::path::Path;
 
@@ -200,7 +201,8 @@ mod tests {
             resume: true,
             cache: Some(path.join("cache")),
         };
-        let gpu = Gpu::new(gpu::choose(None).unwrap(), &host::descriptor(2, request.textures)).unwrap();
+        let gpu =
+            Gpu::new(gpu::choose(None).unwrap(), &host::descriptor(2, request.textures, RayTier::Software)).unwrap();
         let folder = Folder::open(&path.join("out"), 0, true).unwrap();
         let scene = builtin("cornell").unwrap();
         let view = scene.default_camera();

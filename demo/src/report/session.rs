@@ -8,6 +8,7 @@ use crate::host::{Host, Options, Shot};
 use crate::raster::node_camera;
 use crate::scene::{Camera, Scene};
 use crate::stats::Adapter;
+use deferred_aa::rays::RayTier;
 use deferred_aa::{Settings, TextureTier};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::collections::{BTreeMap, BTreeSet};
@@ -154,7 +155,11 @@ impl Session {
     /// A host of a variant of the scene, at another size.
     pub fn host_of(&self, scene: Scene, m: u32, (width, height): (u32, u32)) -> Result<Host, ReportError> {
         let Request { textures, stall, anisotropy, .. } = self.request;
-        let host = Host::new(self.gpu.clone(), scene, Options { width, height, m, textures, stall, anisotropy })?;
+        let host = Host::new(
+            self.gpu.clone(),
+            scene,
+            Options { width, height, m, textures, stall, anisotropy, rays: RayTier::Software },
+        )?;
         if !self.noted.swap(true, Ordering::Relaxed) {
             host.scene.notices.iter().chain(&host.uploaded.notices).for_each(|notice| self.note(notice));
         }

@@ -7,6 +7,7 @@ use super::{ReportError, plan};
 use crate::host::{self, Host};
 use crate::picture::{Picture, Rect};
 use crate::raster::crop;
+use deferred_aa::rays::RayTier;
 use deferred_aa::{DeferredAa, Settings};
 use glam::Vec2;
 use std::time::Instant;
@@ -58,7 +59,7 @@ pub fn largest_m(session: &Session, side: u32, size: (u32, u32)) -> u32 {
 
 /// Whether a host of this m and size is within the device's limits, and not too large to keep the machine usable.
 pub fn fits(session: &Session, m: u32, (width, height): (u32, u32)) -> bool {
-    let descriptor = host::descriptor(m, session.request.textures);
+    let descriptor = host::descriptor(m, session.request.textures, RayTier::Software);
     let memory = DeferredAa::requirements(&session.gpu.adapter, &descriptor).memory(width, height);
     let longest = u64::from(width.max(height)) * u64::from(m);
     longest <= u64::from(session.gpu.device.limits().max_texture_dimension_2d)
@@ -165,9 +166,10 @@ mod tests {
 
     fn host(scene: Scene, m: u32) -> Host {
         let textures = TextureTier::Arrays;
-        let gpu = Gpu::new(gpu::choose(None).unwrap(), &host::descriptor(m, textures)).unwrap();
+        let gpu = Gpu::new(gpu::choose(None).unwrap(), &host::descriptor(m, textures, RayTier::Software)).unwrap();
         let (width, height) = SIZE;
-        Host::new(gpu, scene, Options { width, height, m, textures, stall: 1, anisotropy: 16 }).unwrap()
+        Host::new(gpu, scene, Options { width, height, m, textures, stall: 1, anisotropy: 16, rays: RayTier::Software })
+            .unwrap()
     }
 
     fn rendered(m: u32, side: u32) -> Picture {
@@ -218,6 +220,7 @@ mod tests {
             direction: Vec3::NEG_Y,
             intensity: Vec3::splat(1e38),
             range: 0.08,
+            casts: false,
         });
         let camera = node_camera(&scene.default_camera(), SIZE.0, SIZE.1);
         let view_from_world = camera.world_from_view.inverse();

@@ -31,6 +31,7 @@ pub fn with_lights(scene: &Scene, count: usize) -> Scene {
             direction: Vec3::NEG_Y,
             intensity,
             range: f32::INFINITY,
+            casts: false,
         });
     }
     lit

@@ -44,7 +44,7 @@ fn flat() -> Stage {
     let (u, v) = (Vec3::new(2e3, 0.0, 0.0), Vec3::new(0.0, 2e3, 0.0));
     plane.quad(Vec3::new(-1e3, -1e3, 0.0), u, v, Vec2::ZERO, Vec2::ONE);
     stage.draw("plane", plane, paint);
-    stage.sun(Sun { to_sun: Vec3::new(0.3, 0.5, 0.8).normalize(), irradiance: Vec3::splat(PI) });
+    stage.sun(Sun { to_sun: Vec3::new(0.3, 0.5, 0.8).normalize(), irradiance: Vec3::splat(PI), casts: false });
     stage.camera(perspective(Vec3::new(3.0, 2.0, 8.0), Vec3::ZERO, 50.0, 0.1));
     stage
 }

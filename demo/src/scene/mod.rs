@@ -180,6 +180,8 @@ pub struct Light {
     pub intensity: Vec3,
     /// Metres after which it is dark; infinite if not given.
     pub range: f32,
+    /// Whether it casts shadows.
+    pub casts: bool,
 }
 
 /// The shape of a light's emission.
@@ -205,6 +207,8 @@ pub struct Sun {
     pub to_sun: Vec3,
     /// Linear irradiance at normal incidence.
     pub irradiance: Vec3,
+    /// Whether it casts shadows.
+    pub casts: bool,
 }
 
 /// A vertical gradient: background and ambient light.

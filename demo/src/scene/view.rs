@@ -47,9 +47,13 @@ impl Bounds {
 }
 
 impl Default for Sun {
-    /// A clear late morning: white paper that faces it has radiance 1.
+    /// A clear late morning: white paper that faces it has radiance 1. Casts no shadow, since no file asked for it.
     fn default() -> Self {
-        Self { to_sun: Vec3::new(0.35, 0.8, 0.5).normalize(), irradiance: Vec3::new(1.0, 0.96, 0.88) * PI }
+        Self {
+            to_sun: Vec3::new(0.35, 0.8, 0.5).normalize(),
+            irradiance: Vec3::new(1.0, 0.96, 0.88) * PI,
+            casts: false,
+        }
     }
 }
 

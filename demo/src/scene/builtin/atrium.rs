@@ -48,8 +48,11 @@ pub(super) fn build() -> Stage {
         horizon: Vec3::new(0.72, 0.82, 0.95),
         ground: Vec3::new(0.2, 0.17, 0.14),
     });
-    stage
-        .sun(Sun { to_sun: Vec3::new(-0.45, 0.75, 0.3).normalize(), irradiance: Vec3::new(1.0, 0.93, 0.8) * PI * 1.1 });
+    stage.sun(Sun {
+        to_sun: Vec3::new(-0.45, 0.75, 0.3).normalize(),
+        irradiance: Vec3::new(1.0, 0.93, 0.8) * PI * 1.1,
+        casts: false,
+    });
     let palette = palette(&mut stage);
 
     landscape(&mut stage, &palette);

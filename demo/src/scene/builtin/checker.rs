@@ -15,7 +15,7 @@ const PER_ROW: usize = 4;
 
 pub(super) fn build() -> Stage {
     let mut stage = Stage::default();
-    stage.sun(Sun { to_sun: Vec3::new(0.35, 0.6, 0.7).normalize(), irradiance: Vec3::splat(PI) });
+    stage.sun(Sun { to_sun: Vec3::new(0.35, 0.6, 0.7).normalize(), irradiance: Vec3::splat(PI), casts: false });
 
     let checker = stage.image("checker", paint::opaque(256, 256, checker));
     let picture = stage.image("test picture", picture());

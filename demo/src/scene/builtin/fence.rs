@@ -16,7 +16,11 @@ const HEIGHT: f32 = 1.9;
 
 pub(super) fn build() -> Stage {
     let mut stage = Stage::default();
-    stage.sun(Sun { to_sun: Vec3::new(-0.5, 0.6, 0.35).normalize(), irradiance: Vec3::new(1.0, 0.95, 0.86) * PI });
+    stage.sun(Sun {
+        to_sun: Vec3::new(-0.5, 0.6, 0.35).normalize(),
+        irradiance: Vec3::new(1.0, 0.95, 0.86) * PI,
+        casts: false,
+    });
     ground(&mut stage);
 
     let zinc = stage.material(Material { base_color: srgb(0x9aa0a4), metallic: 0.6, roughness: 0.45, ..matt("zinc") });

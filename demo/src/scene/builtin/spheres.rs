@@ -17,7 +17,7 @@ pub(super) fn build() -> Stage {
         horizon: Vec3::new(0.22, 0.24, 0.28),
         ground: Vec3::new(0.08, 0.075, 0.07),
     });
-    stage.sun(Sun { to_sun: Vec3::new(-0.4, 0.7, 0.6).normalize(), irradiance: Vec3::splat(1.2) });
+    stage.sun(Sun { to_sun: Vec3::new(-0.4, 0.7, 0.6).normalize(), irradiance: Vec3::splat(1.2), casts: false });
 
     let table = stage.material(Material { base_color: srgb(0x6a6a6e), roughness: 0.5, ..matt("table") });
     let mut plane = Shape::default();

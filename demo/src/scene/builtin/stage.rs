@@ -37,7 +37,7 @@ impl Stage {
     /// A light of `intensity` candela, gone at `range`.
     pub fn point_light(&mut self, position: Vec3, intensity: Vec3, range: f32) {
         let direction = Vec3::NEG_Y;
-        self.scene.lights.push(Light { kind: LightKind::Point, position, direction, intensity, range });
+        self.scene.lights.push(Light { kind: LightKind::Point, position, direction, intensity, range, casts: false });
     }
 
     pub fn image(&mut self, name: &str, painting: Painting) -> usize {

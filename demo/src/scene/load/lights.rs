@@ -43,7 +43,7 @@ pub(super) fn convert(light: &json::Light, world: Mat4) -> Option<Light> {
         _ => direction?,
     };
     let range = light.range.filter(|range| *range > 0.0).unwrap_or(f32::INFINITY);
-    Some(Light { kind, position: world.w_axis.truncate(), direction, intensity, range })
+    Some(Light { kind, position: world.w_axis.truncate(), direction, intensity, range, casts: true })
 }
 
 /// Scales `lights` if they would make a scene of this `centre` and `radius` all black or all white. Says by how much.
@@ -83,6 +83,7 @@ pub(super) fn rig(bounds: &Bounds) -> Vec<Light> {
             direction: Vec3::NEG_Y,
             intensity: if i % 2 == 0 { WARM } else { COOL } * (FRAC_PI_2 * distance * distance),
             range: f32::INFINITY,
+            casts: false,
         })
         .filter(|light| light.position.is_finite() && light.intensity.is_finite())
         .collect()
@@ -92,5 +93,5 @@ pub(super) fn rig(bounds: &Bounds) -> Vec<Light> {
 pub(super) fn take_sun(lights: &mut Vec<Light>) -> Option<Sun> {
     let first = lights.iter().position(|light| light.kind == LightKind::Directional)?;
     let light = lights.remove(first);
-    Some(Sun { to_sun: -light.direction, irradiance: light.intensity })
+    Some(Sun { to_sun: -light.direction, irradiance: light.intensity, casts: light.casts })
 }

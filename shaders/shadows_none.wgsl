@@ -1,0 +1,5 @@
+// Nothing was traced.
+
+fn daa_shadow_bits(pixel: vec2u, rank: u32) -> u32 {
+    return 0u;
+}
