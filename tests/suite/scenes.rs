@@ -171,6 +171,11 @@ fn cornell() {
 }
 
 #[test]
+fn shadows() {
+    builtin_scene("shadows");
+}
+
+#[test]
 fn flat() {
     builtin_scene("flat");
 }
@@ -182,7 +187,7 @@ fn empty() {
 
 #[test]
 fn no_builtin_scene_goes_untested() {
-    assert_eq!(builtin::NAMES, ["atrium", "fence", "checker", "spheres", "cornell", "flat", "empty"]);
+    assert_eq!(builtin::NAMES, ["atrium", "fence", "checker", "spheres", "cornell", "shadows", "flat", "empty"]);
 }
 
 // ---- Models made here ----

@@ -6,6 +6,7 @@ mod checker;
 mod cornell;
 mod fence;
 mod paint;
+mod shadows;
 mod shape;
 mod spheres;
 mod stage;
@@ -19,7 +20,7 @@ use self::stage::{Stage, perspective};
 use super::{Material, Scene, Sun};
 
 /// The names that [`builtin`] knows; the first is the default scene.
-pub const NAMES: [&str; 7] = ["atrium", "fence", "checker", "spheres", "cornell", "flat", "empty"];
+pub const NAMES: [&str; 8] = ["atrium", "fence", "checker", "spheres", "cornell", "shadows", "flat", "empty"];
 
 /// Builds the scene of that name.
 pub fn builtin(name: &str) -> Option<Scene> {
@@ -29,6 +30,7 @@ pub fn builtin(name: &str) -> Option<Scene> {
         "checker" => checker::build(),
         "spheres" => spheres::build(),
         "cornell" => cornell::build(),
+        "shadows" => shadows::build(),
         "flat" => flat(),
         "empty" => empty(),
         _ => return None,

@@ -4,7 +4,7 @@ use glam::{Mat4, Vec2, Vec3};
 
 use super::shape::Shape;
 use super::stage::{Stage, matt, perspective, srgb};
-use crate::scene::{Material, Sky};
+use crate::scene::{Light, LightKind, Material, Sky};
 
 /// Half the box's side.
 const HALF: f32 = 1.0;
@@ -42,7 +42,14 @@ pub(super) fn build() -> Stage {
         let mesh = stage.mesh(name, shape, white);
         stage.place(mesh, Mat4::from_translation(at) * Mat4::from_rotation_y(degrees.to_radians()));
     }
-    stage.point_light(Vec3::new(0.0, 0.8, 0.0), Vec3::new(2.6, 2.3, 1.8), f32::INFINITY);
+    stage.light(Light {
+        kind: LightKind::Point,
+        position: Vec3::new(0.0, 0.8, 0.0),
+        direction: Vec3::NEG_Y,
+        intensity: Vec3::new(2.6, 2.3, 1.8),
+        range: f32::INFINITY,
+        casts: true,
+    });
     stage.camera(perspective(Vec3::new(0.0, 0.0, 3.9), Vec3::ZERO, 38.0, 0.05));
     stage
 }

@@ -34,7 +34,11 @@ impl Stage {
         self.scene.cameras.push(camera);
     }
 
-    /// A light of `intensity` candela, gone at `range`.
+    pub fn light(&mut self, light: Light) {
+        self.scene.lights.push(light);
+    }
+
+    /// A light of `intensity` candela, gone at `range`, that casts no shadow.
     pub fn point_light(&mut self, position: Vec3, intensity: Vec3, range: f32) {
         let direction = Vec3::NEG_Y;
         self.scene.lights.push(Light { kind: LightKind::Point, position, direction, intensity, range, casts: false });
