@@ -28,13 +28,11 @@ struct DaaCasting {
     lights: array<DaaCastingLight, 32>,
 }
 
-/// How far rays start from a surface: 2⁻¹⁶ of its distance, for what the depth buffer and the ray scene round differently, and
-/// 2⁻²² of its coordinates in the world, for what the host rounded before.
+/// How far rays start from a surface: 2⁻¹⁶ of its distance, for what the depth buffer and the ray scene round differently.
+/// Coordinates in the world have no part in it: both are relative to the camera.
 fn daa_ray_offset(relative: vec3f) -> f32 {
     let from_camera = abs(relative);
-    let world = abs(relative + daa_frame.camera_position);
-    let distance = max(max(from_camera.x, from_camera.y), from_camera.z);
-    return distance * 1.52587890625e-5 + max(max(world.x, world.y), world.z) * 2.384185791015625e-7;
+    return max(max(from_camera.x, from_camera.y), from_camera.z) * 1.52587890625e-5;
 }
 
 /// Whether light i does not reach a surface, and 1 if a ray was needed to say so.

@@ -48,7 +48,7 @@ pub(crate) struct Listed {
     gather_layout: wgpu::BindGroupLayout,
     pixels: [Lazy<wgpu::ComputePipeline>; Traced::COUNT],
     samples: [Lazy<wgpu::ComputePipeline>; Traced::COUNT],
-    gather: Lazy<wgpu::ComputePipeline>,
+    gather: [Lazy<wgpu::ComputePipeline>; Traced::COUNT],
 }
 
 impl Listed {
@@ -67,7 +67,7 @@ impl Listed {
             gather_layout: layout(&[first, plan, color, work, colors, entry::buffer(7, compute, true)]),
             pixels: Default::default(),
             samples: Default::default(),
-            gather: Lazy::default(),
+            gather: Default::default(),
         }
     }
 
@@ -96,7 +96,7 @@ impl Listed {
     /// Compiles what this listing needs.
     pub fn warm_up(&self, build: &Build, listing: Listing, traced: Traced) -> Result<(), PipelineError> {
         self.pipeline(build, listing.kind(), traced)?;
-        if listing == Listing::Packed { self.gather(build).map(|_| ()) } else { Ok(()) }
+        if listing == Listing::Packed { self.gather(build, traced).map(|_| ()) } else { Ok(()) }
     }
 
     fn pipeline(&self, build: &Build, kind: ListKind, traced: Traced) -> Result<&wgpu::ComputePipeline, PipelineError> {
@@ -108,10 +108,10 @@ impl Listed {
         lazy[traced.index()].get(|| build.compute(INFO.name, source(), entry, layout, Some(traced)))
     }
 
-    fn gather(&self, build: &Build) -> Result<&wgpu::ComputePipeline, PipelineError> {
-        let none = Traced::default();
-        let source = || source(build, none);
-        self.gather.get(|| build.compute(INFO.name, source(), "daa_shade_gather", &self.gather_layout, Some(none)))
+    fn gather(&self, build: &Build, traced: Traced) -> Result<&wgpu::ComputePipeline, PipelineError> {
+        let source = || source(build, traced);
+        let layout = &self.gather_layout;
+        self.gather[traced.index()].get(|| build.compute(INFO.name, source(), "daa_shade_gather", layout, Some(traced)))
     }
 
     /// Groups 0 to 2 are set.
@@ -137,7 +137,7 @@ impl Listed {
             pass.set_pipeline(pipeline);
             pass.set_bind_group(3, &bound.shade, &[offset]);
             pass.dispatch_workgroups_indirect(&list.work, u64::from(offset) + List::GROUPS_AT);
-            if let (Some(group), Ok(gather)) = (&bound.gather, self.gather(build)) {
+            if let (Some(group), Ok(gather)) = (&bound.gather, self.gather(build, traced)) {
                 pass.set_pipeline(gather);
                 pass.set_bind_group(3, group, &[offset]);
                 pass.dispatch_workgroups(tiles[0], tiles[1], 1);

@@ -121,8 +121,8 @@ pub(crate) struct Lighting {
     pub(crate) zenith: [f32; 4],
     pub(crate) horizon: [f32; 4],
     pub(crate) ground: [f32; 4],
+    pub(crate) camera: [f32; 3],
     pub(crate) sun_casts: u32,
-    pub(crate) padding: [u32; 3],
 }
 
 /// What the demo's nodes are built from.
@@ -200,8 +200,8 @@ impl Host {
             zenith: scene.sky.zenith.extend(0.0).to_array(),
             horizon: scene.sky.horizon.extend(0.0).to_array(),
             ground: scene.sky.ground.extend(0.0).to_array(),
+            camera: [0.0; 3],
             sun_casts: rays::sun_bit(&scene),
-            padding: [0; 3],
         };
         gpu.queue.write_buffer(&lighting, 0, bytemuck::bytes_of(&values));
         let host_bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
@@ -263,6 +263,8 @@ impl Host {
         camera: deferred_aa::Camera,
         settings: Settings,
     ) -> Result<Statistics, HostError> {
+        self.lighting_values.camera = camera.world_from_view.w_axis.truncate().to_array();
+        self.write_lighting();
         let shadows = self.casting(settings.shadows);
         let traces = settings.shadows == Effect::On || !shadows.is_empty();
         if traces {
@@ -314,13 +316,11 @@ impl Host {
     pub fn set_stall(&mut self, stall: u32) {
         self.options.stall = stall.max(1);
         self.lighting_values.stall = self.options.stall;
-        self.write_lighting();
     }
 
     /// Lights the scene with its first `count` lights only, from the next frame on.
     pub fn set_light_count(&mut self, count: u32) {
         self.lighting_values.light_count = count.min(self.uploaded.light_count);
-        self.write_lighting();
     }
 
     fn write_lighting(&self) {

@@ -12,6 +12,8 @@ struct Lighting {
     zenith: vec4f,
     horizon: vec4f,
     ground: vec4f,
+    /// World space. Lights are taken relative to it, as surfaces are, so that worlds may be large.
+    camera: vec3f,
     /// The sun's shadow bit.
     sun_casts: u32,
 }
@@ -131,7 +133,7 @@ fn lit(f: DaaSurface, b: Brdf) -> vec3f {
         var to_light = -light.direction;
         var intensity = light.intensity;
         if light.kind != 2u {
-            let offset = light.position - f.position;
+            let offset = (light.position - lighting.camera) - f.relative_position;
             let squared = max(dot(offset, offset), 1e-8);
             to_light = offset * inverseSqrt(squared);
             // KHR_lights_punctual's window over the inverse square.

@@ -11,4 +11,5 @@ pub mod octahedral;
 pub mod plan;
 pub mod rays;
 pub mod resolve;
+pub mod trace;
 pub mod window;

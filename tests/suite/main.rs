@@ -9,5 +9,6 @@ mod numerics;
 mod rays;
 mod scenes;
 mod shading_errors;
+mod shadows;
 mod textures;
 mod twin;

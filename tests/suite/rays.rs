@@ -355,7 +355,7 @@ fn no_ray_escapes_a_closed_mesh_on(mut tracer: Tracer) {
             })
             .collect();
         // How watertight a ray query is along an edge is the adapter's affair.
-        let aimed = |i: &usize| tracer.tier == RayTier::Software || i % 3 == 0;
+        let aimed = |i: &usize| tracer.tier == RayTier::Software || i.is_multiple_of(3);
         let hits = tracer.trace(&rays, false);
         let escaped = (0..hits.len()).filter(aimed).filter(|&i| hits[i].instance == MISS).count();
         assert_eq!(escaped, 0, "of {} at scale {scale}", rays.len());

@@ -1,0 +1,146 @@
+//! Twin of `shaders/trace.wgsl`: the shadow bits of a sample, by every triangle of the scene.
+
+use super::octahedral;
+use super::rays::{self, Ray};
+use crate::{Camera, CastingLight};
+use glam::{DMat4, DVec3, DVec4};
+
+/// What a frame traces through. Positions are relative to the camera.
+#[derive(Debug, Clone)]
+pub struct Input<'a> {
+    /// Of the frame.
+    pub camera: Camera,
+    /// Samples of the G-buffer along x and y.
+    pub samples: [u32; 2],
+    /// The depth target, rows from the top.
+    pub depth: &'a [f32],
+    /// The first colour target.
+    pub surface: &'a [[u32; 2]],
+    /// The second.
+    pub frame: &'a [[u32; 2]],
+    /// [`Needs::shadows`](crate::Needs::shadows).
+    pub lights: &'a [CastingLight],
+    /// Of all instances.
+    pub triangles: &'a [[DVec3; 3]],
+    /// The object of each triangle, and whether its instance mirrors it.
+    pub objects: &'a [(u32, bool)],
+}
+
+/// The bits, and those of them that rounding could not have changed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Bits {
+    /// Bit i: light i does not reach the sample.
+    pub shadow: u32,
+    /// Bit i: the ray is further than a share of 1e-4 of a triangle from any edge, or there was none and the angle is as clear.
+    pub sure: u32,
+}
+
+/// How near to a decision rounding may reach.
+const MARGIN: f64 = 1e-4;
+
+impl Input<'_> {
+    /// Of the sample at G-buffer coordinates x, y.
+    pub fn bits(&self, x: u32, y: u32) -> Bits {
+        let at = (y * self.samples[0] + x) as usize;
+        let depth = self.depth[at];
+        if depth <= 1e-30 {
+            return Bits { shadow: 0, sure: u32::MAX };
+        }
+        let [width, height] = self.samples.map(f64::from);
+        let ndc = DVec4::new(
+            (f64::from(x) + 0.5) / width * 2.0 - 1.0,
+            1.0 - (f64::from(y) + 0.5) / height * 2.0,
+            f64::from(depth),
+            1.0,
+        );
+        let mut rotation = self.camera.world_from_view.as_dmat4();
+        let eye = rotation.w_axis.truncate();
+        rotation.w_axis = DVec4::W;
+        let relative_from_clip: DMat4 = rotation * self.camera.clip_from_view.as_dmat4().inverse();
+        let p = relative_from_clip * ndc;
+        let position = p.truncate() / p.w;
+        let normal = octahedral::decode(self.surface[at][0]);
+        let geometric = geometric_normal(self.frame[at][0]);
+        let object = self.surface[at][1] >> 16;
+        let mut bits = Bits { shadow: 0, sure: 0 };
+        for (i, light) in self.lights.iter().enumerate() {
+            let (shadow, sure) = self.light(light, eye, position, normal, geometric, object);
+            bits.shadow |= u32::from(shadow) << i;
+            bits.sure |= u32::from(sure) << i;
+        }
+        bits
+    }
+
+    fn light(
+        &self,
+        light: &CastingLight,
+        eye: DVec3,
+        position: DVec3,
+        normal: DVec3,
+        geometric: DVec3,
+        object: u32,
+    ) -> (bool, bool) {
+        let mut sure = true;
+        let mut decide = |value: f64, scale: f64| {
+            sure &= value.abs() > MARGIN * scale;
+            value > 0.0
+        };
+        let (towards, punctual) = match *light {
+            CastingLight::Directional { towards } => (towards.as_dvec3().normalize(), None),
+            CastingLight::Punctual { position: at, range, cone } => {
+                let at = at.as_dvec3() - eye;
+                let towards = at - position;
+                let distance = towards.length();
+                let range = if range > 0.0 { f64::from(range.min(1e18)) } else { 1e18 };
+                if distance == 0.0 || !decide(range - distance, range) {
+                    return (false, sure);
+                }
+                if let Some((axis, angle)) = cone
+                    && !decide(-towards.dot(axis.as_dvec3().normalize()) - f64::from(angle).cos() * distance, distance)
+                {
+                    return (false, sure);
+                }
+                (towards, Some(at))
+            }
+        };
+        if !decide(normal.dot(towards), towards.length()) {
+            return (true, sure);
+        }
+        let inside = !decide(geometric.dot(towards), towards.length());
+        let offset = position.abs().max_element() * 2f64.powi(-16);
+        let origin = position + geometric * if inside { -offset } else { offset };
+        let ray = match punctual {
+            None => Ray { origin, direction: towards, t_min: 0.0, t_max: 1e30 },
+            Some(at) => Ray { origin, direction: at - origin, t_min: 0.0, t_max: 0.9998 },
+        };
+        let stops = |i: usize, hit: &rays::Hit| {
+            let (owner, mirrored) = self.objects[i];
+            !inside || owner != object || hit.front != mirrored
+        };
+        let stopped = |ray: &Ray, clearly: bool| {
+            self.triangles.iter().enumerate().any(|(i, triangle)| {
+                let triangle = std::slice::from_ref(triangle);
+                let hit = rays::closest(ray, triangle).is_some_and(|hit| stops(i, &hit));
+                hit && (!clearly || rays::margin(ray, triangle) > MARGIN)
+            })
+        };
+        // What the origin itself lies on, in the corner of two walls, say.
+        let near = position.length() * 1e-6 / ray.direction.length();
+        let [before, after] = [-near, near].map(|t_min| Ray { t_min, ..ray });
+        let shadow = stopped(&ray, false);
+        // One hit far from every edge is enough; without any, all must be missed clearly.
+        let clear = stopped(&after, true);
+        let missed = !stopped(&before, false) && rays::margin(&before, self.triangles) > MARGIN;
+        (shadow, sure && (clear || missed))
+    }
+}
+
+/// 8+8 bits, octahedral.
+fn geometric_normal(code: u32) -> DVec3 {
+    let wide = |bits: u32| {
+        // To 16 bits: both are shares of the greatest.
+        let c = (f64::from(bits as u8 as i8) / 127.0).max(-1.0);
+        u32::from((c * 32767.0).round() as i16 as u16)
+    };
+    octahedral::decode(wide(code) | wide(code >> 8) << 16)
+}
