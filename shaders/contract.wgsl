@@ -50,6 +50,18 @@ struct DaaFrame {
     audit_step: f32,
     /// What least_samples would be there.
     audit_least: f32,
+    /// The first so many ranks are geometric samples of `reconstruct`.
+    geometry: u32,
+    /// Its σ of depth.
+    reconstruct_depth: f32,
+    /// Its σ of normals.
+    reconstruct_normal: f32,
+    /// Samples per unit of its luminance range.
+    reconstruct_contrast: f32,
+    /// Ranges below are none.
+    reconstruct_contrast_min: f32,
+    /// Samples for which the weights sum to less are shaded.
+    reconstruct_least: f32,
     /// Rank → place in the window, x | y << 4, four to a vector.
     order: array<vec4u, 16>,
     /// k − 1 → from the mean place of the first k samples to the window's centre, in samples; two to a vector.
@@ -64,6 +76,11 @@ const DAA_FLAG_WEIGHT_LUMINANCE: u32 = 16u;
 const DAA_FLAG_FULL: u32 = 32u;
 const DAA_FLAG_PLANNED: u32 = 64u;
 const DAA_FLAG_EDGE_AWARE_FIRST: u32 = 128u;
+const DAA_FLAG_PLANES: u32 = 256u;
+const DAA_FLAG_CUT_IDENTITY: u32 = 512u;
+const DAA_FLAG_CUT_SHADOW: u32 = 1024u;
+const DAA_FLAG_OWN_FIRST: u32 = 2048u;
+const DAA_FLAG_TRACE_ALL: u32 = 4096u;
 
 /// One sample of the G-buffer, as `material`, `shade` and `sky` see it.
 struct DaaSample {

@@ -131,3 +131,38 @@ fn daa_trace_audited(@builtin(workgroup_id) group: vec3u, @builtin(local_invocat
     let k = daa_plan[(tile.y * daa_frame.tiles_x + tile.x) * 64u + lane] & 0xffu;
     daa_trace_ranks(tile, lane, k, DAA_M * DAA_M);
 }
+
+/// Whether rays could tell the samples of a window apart: it holds two surfaces, or the first samples of the windows around it
+/// differ in shadow or identity.
+fn daa_worth_tracing(pixel: vec2u) -> bool {
+    let identity = textureLoad(daa_gbuffer_surface, pixel * DAA_M + daa_order(0u), 0).y;
+    for (var rank = 1u; rank < daa_frame.geometry; rank++) {
+        if textureLoad(daa_gbuffer_surface, pixel * DAA_M + daa_order(rank), 0).y != identity {
+            return true;
+        }
+    }
+    let bits = daa_shadows[daa_sample_index(pixel, 0u)];
+    let last = vec2i(daa_frame.size) - 1;
+    for (var i = 0; i < 9; i++) {
+        let at = vec2u(clamp(vec2i(pixel) + vec2i(i % 3, i / 3) - 1, vec2i(0), last));
+        let other = textureLoad(daa_gbuffer_surface, at * DAA_M + daa_order(0u), 0).y;
+        if daa_shadows[daa_sample_index(at, 0u)] != bits || other != identity {
+            return true;
+        }
+    }
+    return false;
+}
+
+/// The geometric samples of `reconstruct`, whose first are traced. Where rays are not worth it, all have the first one's bits.
+@compute @workgroup_size(64)
+fn daa_trace_geometric(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocation_index) lane: u32) {
+    let pixel = min(tile.xy * 8u + vec2u(lane & 7u, lane >> 3u), daa_frame.size - 1u);
+    let traces = (daa_frame.flags & DAA_FLAG_TRACE_ALL) != 0u || daa_worth_tracing(pixel);
+    if !traces {
+        let bits = daa_shadows[daa_sample_index(pixel, 0u)];
+        for (var rank = 1u; rank < daa_frame.geometry; rank++) {
+            daa_shadows[daa_sample_index(pixel, rank)] = bits;
+        }
+    }
+    daa_trace_ranks(tile, lane, select(daa_frame.geometry, 1u, traces), daa_frame.geometry);
+}

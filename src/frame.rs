@@ -84,7 +84,12 @@ pub(crate) struct FrameUniform {
     pub audit_phase: u32,
     pub audit_step: f32,
     pub audit_least: f32,
-    pub padding: [u32; 2],
+    pub geometry: u32,
+    pub reconstruct_depth: f32,
+    pub reconstruct_normal: f32,
+    pub reconstruct_contrast: f32,
+    pub reconstruct_contrast_min: f32,
+    pub reconstruct_least: f32,
     pub order: [[u32; 4]; 16],
     pub centres: [[f32; 4]; 32],
 }
@@ -99,6 +104,11 @@ pub(crate) mod flag {
     pub const FULL: u32 = 32;
     pub const PLANNED: u32 = 64;
     pub const EDGE_AWARE_FIRST: u32 = 128;
+    pub const PLANES: u32 = 256;
+    pub const CUT_IDENTITY: u32 = 512;
+    pub const CUT_SHADOW: u32 = 1024;
+    pub const OWN_FIRST: u32 = 2048;
+    pub const TRACE_ALL: u32 = 4096;
 }
 
 impl FrameUniform {
@@ -108,6 +118,7 @@ impl FrameUniform {
             return Err(RecordError::Exposure(frame.exposure));
         }
         let w = &frame.settings.windowed;
+        let r = &frame.settings.reconstructed;
         // Only a window with more samples to come may leave something to them.
         let windowed = frame.settings.technique == Technique::Windowed;
         let flags = [
@@ -117,13 +128,20 @@ impl FrameUniform {
             (w.luminance_centre, flag::LUMINANCE_CENTRE),
             (frame.settings.weight == Weight::Luminance, flag::WEIGHT_LUMINANCE),
             (frame.settings.technique == Technique::Full, flag::FULL),
-            (windowed, flag::PLANNED),
+            (windowed || frame.settings.technique == Technique::Reconstructed, flag::PLANNED),
             (windowed && w.edge_aware_first, flag::EDGE_AWARE_FIRST),
+            (r.planes, flag::PLANES),
+            (r.cut_identity, flag::CUT_IDENTITY),
+            (r.cut_shadow, flag::CUT_SHADOW),
+            (r.own_first, flag::OWN_FIRST),
+            (r.trace_all, flag::TRACE_ALL),
         ];
+        let rotated = frame.settings.technique == Technique::Reconstructed && r.rotated_grid;
+        let places = if rotated { window::rotated(m) } else { window::order(m) };
         let mut order = [[0; 4]; 16];
         let mut centres = [[0.0; 4]; 32];
         let mut sum = [0.0; 2];
-        for (rank, (x, y)) in window::order(m).into_iter().enumerate() {
+        for (rank, (x, y)) in places.into_iter().enumerate() {
             order[rank / 4][rank % 4] = u32::from(x) | u32::from(y) << 4;
             for (axis, place) in [x, y].into_iter().enumerate() {
                 sum[axis] += f32::from(place);
@@ -148,14 +166,23 @@ impl FrameUniform {
             luminance_edge: w.luminance_edge,
             identity_samples: w.identity_samples,
             tile_limit: w.tile_limit,
-            footprint: if windowed { w.footprint } else { 1.0 },
+            footprint: match frame.settings.technique {
+                Technique::Windowed => w.footprint,
+                Technique::Reconstructed => r.footprint,
+                Technique::Full | Technique::Single => 1.0,
+            },
             view: frame.settings.view as u32,
             least_samples: w.least_samples,
             audit_period: audited.period,
             audit_phase: audited.phase,
             audit_step: audited.step,
             audit_least: audited.least_below,
-            padding: [0; 2],
+            geometry: frame.settings.reconstructed.samples(m),
+            reconstruct_depth: r.depth_scale,
+            reconstruct_normal: r.normal_scale,
+            reconstruct_contrast: r.contrast_scale * m as f32 / 4.0,
+            reconstruct_contrast_min: r.contrast_min,
+            reconstruct_least: r.least_weight,
             order,
             centres,
         })

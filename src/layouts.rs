@@ -22,7 +22,8 @@ const PLAIN: [(&str, &str); 6] = [
     ("resolve", include_str!("../shaders/resolve.wgsl")),
     ("view", include_str!("../shaders/view.wgsl")),
 ];
-const SHADING: [(&str, &str); 4] = [
+const SHADING: [(&str, &str); 5] = [
+    ("reconstruct", include_str!("../shaders/reconstruct.wgsl")),
     ("first", include_str!("../shaders/first.wgsl")),
     ("shade", include_str!("../shaders/shade.wgsl")),
     ("audit", include_str!("../shaders/audit.wgsl")),
@@ -94,7 +95,12 @@ fn every_joined_module_is_sound_and_has_the_frame() {
         audit_phase,
         audit_step,
         audit_least,
-        padding,
+        geometry,
+        reconstruct_depth,
+        reconstruct_normal,
+        reconstruct_contrast,
+        reconstruct_contrast_min,
+        reconstruct_least,
         footprint,
         order,
         centres,
@@ -136,6 +142,11 @@ fn flags_are_the_shaders() {
         ("TWO_SIDED", flag::TWO_SIDED),
         ("LUMINANCE_PERCEPTUAL", flag::LUMINANCE_PERCEPTUAL),
         ("LUMINANCE_CENTRE", flag::LUMINANCE_CENTRE),
+        ("PLANES", flag::PLANES),
+        ("CUT_IDENTITY", flag::CUT_IDENTITY),
+        ("CUT_SHADOW", flag::CUT_SHADOW),
+        ("OWN_FIRST", flag::OWN_FIRST),
+        ("TRACE_ALL", flag::TRACE_ALL),
         ("WEIGHT_LUMINANCE", flag::WEIGHT_LUMINANCE),
         ("FULL", flag::FULL),
         ("PLANNED", flag::PLANNED),
@@ -211,7 +222,9 @@ fn tiles_are_the_shaders() {
         ("daa_trace_audited", flat),
         ("daa_trace_planned", flat),
         ("daa_trace_first", flat),
+        ("daa_reconstruct_main", tile),
         ("daa_trace_full", flat),
+        ("daa_trace_geometric", flat),
     ];
     let mut seen = 0;
     for (name, module) in modules() {

@@ -51,6 +51,7 @@ mod octahedral;
 mod pipeline;
 mod plan;
 pub mod rays;
+mod reconstruct;
 #[cfg(feature = "reference")]
 pub mod reference;
 mod requirements;
@@ -76,7 +77,8 @@ pub use node::{DeferredAa, Descriptor, Intermediates, Pass, Recording, Shading};
 pub use pipeline::{PassInfo, Resource};
 pub use requirements::{Memory, Requirements};
 pub use settings::{
-    DebugView, DepthMeasure, Effect, Execution, Goal, LuminanceCurve, Preset, Settings, Technique, Weight, Windowed,
+    DebugView, DepthMeasure, Effect, Execution, Goal, LuminanceCurve, Preset, Reconstructed, Settings, Technique,
+    Weight, Windowed,
 };
 pub use statistics::{PassTime, Statistics};
 pub use table::{

@@ -14,6 +14,7 @@ use crate::metrics::{self, Metrics};
 use crate::pipeline::{self, Build, PassInfo};
 use crate::plan::{self, Plan};
 use crate::rays::RayTier;
+use crate::reconstruct::{self, Reconstruct};
 use crate::requirements::{self, Memory, Requirements};
 use crate::resolve::{Resolve, Source};
 use crate::scratch::{self, List, ListKind, Scratch};
@@ -85,6 +86,7 @@ pub struct DeferredAa {
     lists: Lists,
     shade: Shade,
     listed: Listed,
+    reconstruct: Reconstruct,
     resolve: Resolve,
     view: View,
     audit: Audit,
@@ -117,6 +119,7 @@ struct Sized {
     max_filter: wgpu::BindGroup,
     plan: wgpu::BindGroup,
     shade: wgpu::BindGroup,
+    reconstruct: wgpu::BindGroup,
     resolve: wgpu::BindGroup,
     view: wgpu::BindGroup,
     audit: wgpu::BindGroup,
@@ -188,6 +191,7 @@ enum Step {
     List(ListKind),
     Shade(Variant),
     Listed(Listing),
+    Reconstruct,
     Resolve(Source),
     View { first: bool, planned: bool },
     Audit,
@@ -206,6 +210,7 @@ fn order(settings: &Settings, traced: Traced) -> [Option<Step>; MAX_PASSES] {
         (Technique::Full, _) => (Some(Step::Shade(Variant::Full)), Source::Color),
         (Technique::Single, _) => (None, Source::First),
         (Technique::Windowed, execution) => (Some(execute(execution)), Source::ByPlan),
+        (Technique::Reconstructed, _) => (Some(Step::Reconstruct), Source::Color),
     };
     let list = match shade {
         Some(Step::Listed(listing)) => Some(Step::List(listing.kind())),
@@ -215,18 +220,19 @@ fn order(settings: &Settings, traced: Traced) -> [Option<Step>; MAX_PASSES] {
     let audited = planned && matches!(settings.goal, Some(Goal::Error(_)));
     let trace = |samples, when| (when && traced.any()).then_some(Step::Trace(samples));
     let full = settings.technique == Technique::Full;
+    let reconstructs = settings.technique == Technique::Reconstructed;
     [
         trace(if full { Samples::Full } else { Samples::First }, true),
         first.then_some(Step::First),
         planned.then_some(Step::Metrics),
         filtered.then_some(Step::MaxFilter),
         planned.then_some(Step::Plan),
-        trace(Samples::Planned, planned),
+        trace(if reconstructs { Samples::Geometric } else { Samples::Planned }, planned || reconstructs),
         list,
         shade,
         Some(match settings.view {
             DebugView::Image => Step::Resolve(source),
-            _ => Step::View { first, planned },
+            _ => Step::View { first, planned: planned || reconstructs },
         }),
         // Behind the image, which does not wait for it.
         trace(Samples::Audited, audited),
@@ -247,7 +253,7 @@ fn execute(execution: Execution) -> Step {
 impl Step {
     /// Whether the host's code runs in it.
     fn shades(self) -> bool {
-        matches!(self, Self::First | Self::Shade(_) | Self::Listed(_) | Self::Audit)
+        matches!(self, Self::First | Self::Shade(_) | Self::Listed(_) | Self::Reconstruct | Self::Audit)
     }
 
     fn info(self, traced: Traced) -> PassInfo {
@@ -266,6 +272,8 @@ impl Step {
             Self::Shade(Variant::Full) => shade::INFO_FULL,
             Self::Shade(_) if traced => shade::INFO_TRACED,
             Self::Shade(_) => shade::INFO,
+            Self::Reconstruct if traced => reconstruct::INFO_TRACED,
+            Self::Reconstruct => reconstruct::INFO,
             Self::Resolve(source) => source.info(),
             Self::View { first, planned } => view::info(first, planned),
             Self::Audit if traced => audit::INFO_TRACED,
@@ -323,6 +331,7 @@ impl DeferredAa {
             lists: Lists::new(device),
             shade: Shade::new(device),
             listed: Listed::new(device),
+            reconstruct: Reconstruct::new(device),
             resolve: Resolve::new(device),
             view: View::new(device),
             audit: Audit::new(device),
@@ -384,6 +393,7 @@ impl DeferredAa {
             max_filter: self.max_filter.bind(device, &scratch),
             plan: self.plan.bind(device, &scratch),
             shade: self.shade.bind(device, &scratch),
+            reconstruct: self.reconstruct.bind(device, &scratch),
             resolve: self.resolve.bind(device, &scratch),
             view: self.view.bind(device, &scratch),
             audit: self.audit.bind(device, &scratch),
@@ -471,6 +481,7 @@ impl DeferredAa {
                 Step::List(kind) => self.lists.warm_up(&self.build, kind)?,
                 Step::Listed(listing) => self.listed.warm_up(&self.build, listing, traced)?,
                 Step::Shade(variant) => drop(self.shade.pipeline(&self.build, variant, traced)?),
+                Step::Reconstruct => drop(self.reconstruct.pipeline(&self.build, traced)?),
                 Step::Resolve(source) => drop(self.resolve.pipeline(&self.build, source)?),
                 Step::View { .. } => drop(self.view.pipeline(&self.build)?),
                 Step::Audit => drop(self.audit.pipeline(&self.build, traced)?),
@@ -761,6 +772,7 @@ impl Recording<'_> {
             // A workgroup plans 64 tiles.
             Step::Plan => (aa.plan.pipeline(&aa.build), &sized.plan, [(tiles[0] * tiles[1]).div_ceil(64), 1]),
             Step::Shade(variant) => (aa.shade.pipeline(&aa.build, variant, traced), &sized.shade, tiles),
+            Step::Reconstruct => (aa.reconstruct.pipeline(&aa.build, traced), &sized.reconstruct, tiles),
             Step::Audit => {
                 let groups = Audit::groups(self.audited, sized.scratch.size);
                 (aa.audit.pipeline(&aa.build, traced), &sized.audit, groups)

@@ -12,6 +12,8 @@ pub struct Settings {
     pub execution: Execution,
     /// The metrics of [`Technique::Windowed`].
     pub windowed: Windowed,
+    /// The filter of [`Technique::Reconstructed`].
+    pub reconstructed: Reconstructed,
     /// How the samples of a pixel are weighted.
     pub weight: Weight,
     /// Shadow rays towards the lights of [`Needs::shadows`](crate::Needs::shadows).
@@ -64,6 +66,91 @@ pub enum Technique {
     /// The first k samples, k from what differs in the window (Holländer, Boubekeur, Eisemann 2013).
     #[default]
     Windowed,
+    /// One shaded sample a window; the other, geometric ones take the colours of shaded samples around them that lie on
+    /// their surface and in the same shadow ("SRAA for ray tracing", WSCG 2012). A sample that none speaks for is shaded.
+    Reconstructed,
+}
+
+/// The bilateral filter of [`Technique::Reconstructed`] over the shaded samples of 3 × 3 windows. The default adds to the paper what
+/// its authors name as its limits; [`Self::PAPER`] is as printed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
+pub struct Reconstructed {
+    /// σz, 0 to 1e6: a shaded sample counts by exp(−(σz Δ)²). Δ is the difference of depths over the sample's own, or with
+    /// [`planes`](Self::planes) the sine of the angle at which the other rises from the sample's plane. Higher: sharper at
+    /// depth edges, and more samples that none speaks for, which are shaded. Lower: blurrier; 0: depth does not count.
+    pub depth_scale: f32,
+    /// σn, 0 to 1e6: and by exp(−(σn Δ)²), Δ = 1 − nj · ni, or with [`planes`](Self::planes) the chord |nj − ni|. Higher: sharper at
+    /// creases. At the paper's 0.25 no Δ from 0 to 1 takes more than 6 % away.
+    pub normal_scale: f32,
+    /// Δ as above; off, as in the paper.
+    pub planes: bool,
+    /// Samples of other materials and objects do not count. Not in the paper, whose limit this is.
+    pub cut_identity: bool,
+    /// Samples that other lights reach do not count: one bit for each of up to 32 lights; the paper has one light.
+    pub cut_shadow: bool,
+    /// A sample that lies on the surface of its window's own shaded one has its colour. Off: the mean over all nine windows, as
+    /// in the paper, which blurs texture.
+    pub own_first: bool,
+    /// The geometric samples are m on a rotated grid, at m = 4, 6 and 8: the paper's 4. Off: all n. Fewer: less to trace, coarser
+    /// edges.
+    pub rotated_grid: bool,
+    /// A sample for which the weights sum to less is shaded, 1e-6 to 10: nine windows that speak for it wholly sum to 9. Higher:
+    /// more samples at edges are shaded, fewer guessed.
+    pub least_weight: f32,
+    /// Samples per unit of luminance range between the shaded samples of direct neighbours that lie on one surface and in one
+    /// shadow, 0 to 1e6, at m = 4; m/4 of it at other m. So many of the window's samples on that surface are shaded. Higher: better
+    /// texture and highlights, at a cost; 0: off, as in the paper.
+    pub contrast_scale: f32,
+    /// Ranges below are none, 0 to 1, of luminance √(l/(1+l)). Higher: less work in noise.
+    pub contrast_min: f32,
+    /// The texture footprint of a shaded sample over that of the samples that it stands for, 0 to 4. Higher: blurrier; the paper's 1.
+    pub footprint: f32,
+    /// Shadow rays at every geometric sample, as in the paper. Off: only where the window holds two surfaces, or the shaded
+    /// samples of 3 × 3 windows differ in shadow or identity; shadows narrower than a pixel may break.
+    pub trace_all: bool,
+}
+
+impl Reconstructed {
+    /// As printed, with σz = 10 and σn = 0.25.
+    pub const PAPER: Self = Self {
+        depth_scale: 10.0,
+        normal_scale: 0.25,
+        planes: false,
+        cut_identity: false,
+        cut_shadow: true,
+        own_first: false,
+        rotated_grid: true,
+        least_weight: 1e-3,
+        contrast_scale: 0.0,
+        contrast_min: 0.0,
+        footprint: 1.0,
+        trace_all: true,
+    };
+
+    /// Geometric samples of a window.
+    pub(crate) fn samples(&self, m: u32) -> u32 {
+        if self.rotated_grid { crate::window::rotated_samples(m) } else { m * m }
+    }
+}
+
+impl Default for Reconstructed {
+    fn default() -> Self {
+        Self {
+            depth_scale: 10.0,
+            normal_scale: 8.0,
+            planes: true,
+            cut_identity: true,
+            cut_shadow: true,
+            own_first: true,
+            rotated_grid: false,
+            least_weight: 1.0,
+            contrast_scale: 94.0,
+            contrast_min: 0.02,
+            footprint: 0.5,
+            trace_all: false,
+        }
+    }
 }
 
 /// How planned samples are run.
@@ -382,6 +469,12 @@ impl Settings {
             ("windowed.identity_samples", w.identity_samples, 0.0, 64.0),
             ("windowed.least_samples", w.least_samples, 1.0, 64.0),
             ("windowed.footprint", w.footprint, 0.0, 4.0),
+            ("reconstructed.depth_scale", self.reconstructed.depth_scale, 0.0, 1e6),
+            ("reconstructed.normal_scale", self.reconstructed.normal_scale, 0.0, 1e6),
+            ("reconstructed.least_weight", self.reconstructed.least_weight, 1e-6, 10.0),
+            ("reconstructed.contrast_scale", self.reconstructed.contrast_scale, 0.0, 1e6),
+            ("reconstructed.contrast_min", self.reconstructed.contrast_min, 0.0, 1.0),
+            ("reconstructed.footprint", self.reconstructed.footprint, 0.0, 4.0),
             ("windowed.tile_limit", w.tile_limit as f32, 0.0, Windowed::NO_TILE_LIMIT as f32),
             match self.goal {
                 Some(Goal::Error(error)) => ("goal.error", error, 0.0, 1.0),

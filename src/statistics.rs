@@ -241,11 +241,14 @@ fn read(bytes: &[u8], recorded: &Recorded, nanoseconds_per_tick: Option<f64>) ->
     let windows = u64::from(recorded.size[0]) * u64::from(recorded.size[1]);
     let mut histogram_k = c.histogram[..n].to_vec();
     let mut decided = c.decided;
-    // Only a plan counts windows; without one all have the same k.
-    if recorded.technique != Technique::Windowed {
+    // Only a plan, or a reconstruction, counts windows; without one all have the same k.
+    if matches!(recorded.technique, Technique::Full | Technique::Single) {
         let k = if recorded.technique == Technique::Full { n } else { 1 };
         histogram_k = vec![0; n];
         histogram_k[k - 1] = windows as u32;
+        decided = [windows as u32, 0, 0, 0, 0, 0];
+    }
+    if recorded.technique == Technique::Reconstructed {
         decided = [windows as u32, 0, 0, 0, 0, 0];
     }
     let shaded = histogram_k.iter().zip(1u64..).map(|(&windows, k)| u64::from(windows) * k).sum();

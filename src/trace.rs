@@ -27,6 +27,13 @@ pub(crate) const INFO: PassInfo = PassInfo {
 /// Before `audit`.
 pub(crate) const INFO_AUDITED: PassInfo = PassInfo { name: "trace audited", ..INFO };
 
+/// Behind `first`, for `Reconstructed`.
+pub(crate) const INFO_GEOMETRIC: PassInfo = PassInfo {
+    name: "trace",
+    reads: &[Resource::GBuffer, Resource::Host, Resource::Rays, Resource::Shadows],
+    writes: &[Resource::Shadows, Resource::Statistics],
+};
+
 /// Which samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Samples {
@@ -34,6 +41,7 @@ pub(crate) enum Samples {
     Full,
     Planned,
     Audited,
+    Geometric,
 }
 
 impl Samples {
@@ -43,6 +51,7 @@ impl Samples {
             Self::Full => INFO_FULL,
             Self::Planned => INFO,
             Self::Audited => INFO_AUDITED,
+            Self::Geometric => INFO_GEOMETRIC,
         }
     }
 }
@@ -50,7 +59,7 @@ impl Samples {
 #[derive(Debug)]
 pub(crate) struct Trace {
     layout: wgpu::BindGroupLayout,
-    pipelines: [Lazy<wgpu::ComputePipeline>; 4],
+    pipelines: [Lazy<wgpu::ComputePipeline>; 5],
 }
 
 /// What a size needs once something is traced.
@@ -146,6 +155,7 @@ impl Trace {
             Samples::Full => "daa_trace_full",
             Samples::Planned => "daa_trace_planned",
             Samples::Audited => "daa_trace_audited",
+            Samples::Geometric => "daa_trace_geometric",
         };
         self.pipelines[samples as usize].get(|| {
             let source = build.host.join_traced(include_str!("../shaders/trace.wgsl"), tier);

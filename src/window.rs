@@ -29,6 +29,22 @@ pub fn order(m: u32) -> Vec<(u8, u8)> {
     places
 }
 
+/// [`order`], but first a rotated grid: one sample in each row and each column. For odd m, and 2, `order` itself.
+pub fn rotated(m: u32) -> Vec<(u8, u8)> {
+    let mut places = order(m);
+    if rotated_samples(m) == m {
+        // Before all others, in their own order.
+        let first = |&(x, y): &(u8, u8)| u32::from(x) == (2 * u32::from(y) + 1) % (m + 1);
+        places.sort_by_key(|place| !first(place));
+    }
+    places
+}
+
+/// Samples of [`rotated`]'s grid: m, or all where there is none.
+pub fn rotated_samples(m: u32) -> u32 {
+    if m >= 4 && m.is_multiple_of(2) { m } else { m * m }
+}
+
 /// Bayer's recursion: each place of the small matrix, in its order, in all four quadrants in the order of the 2 × 2 matrix.
 fn doubled(small: &[(u8, u8)], m: u32) -> Vec<(u8, u8)> {
     let m = m as u8;
@@ -71,6 +87,28 @@ mod tests {
             let all: Vec<_> = (0..m * m).map(|i| ((i % m) as u8, (i / m) as u8)).collect();
             assert_eq!(places, all, "m = {m}");
         }
+    }
+
+    #[test]
+    fn a_rotated_grid_has_one_sample_in_each_row_and_column() {
+        for m in 1..=MAX_M {
+            let mut places = rotated(m);
+            if rotated_samples(m) < m * m {
+                let (xs, ys): (Vec<_>, Vec<_>) = places[..m as usize].iter().copied().unzip();
+                for mut axis in [xs, ys] {
+                    axis.sort_unstable();
+                    assert!(axis.iter().copied().eq(0..m as u8), "m = {m}");
+                }
+            }
+            let mut all = order(m);
+            (places.sort_unstable(), all.sort_unstable());
+            assert_eq!(places, all, "m = {m}");
+        }
+        // The paper's Figure 2, in its own turn.
+        assert_eq!(rotated_samples(4), 4);
+        let mut grid = rotated(4)[..4].to_vec();
+        grid.sort_unstable_by_key(|p| p.1);
+        assert_eq!(grid, [(1, 0), (3, 1), (0, 2), (2, 3)]);
     }
 
     #[test]

@@ -383,7 +383,7 @@ impl Host {
         let uniform = |k| vec![k; (width * height) as usize];
         match (technique, self.aa.intermediates()) {
             (Technique::Full, _) => uniform(self.options.m * self.options.m),
-            (Technique::Windowed, Some(passed)) => {
+            (Technique::Windowed | Technique::Reconstructed, Some(passed)) => {
                 let bytes = self.gpu.read_buffer(passed.plan);
                 let plan: Vec<u32> = bytemuck::pod_collect_to_vec(&bytes);
                 let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));

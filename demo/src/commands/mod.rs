@@ -301,9 +301,10 @@ fn parse_technique(text: &str) -> Result<Technique, String> {
         "full" => Ok(Technique::Full),
         "single" => Ok(Technique::Single),
         "windowed" => Ok(Technique::Windowed),
+        "reconstructed" => Ok(Technique::Reconstructed),
         _ => {
-            let meant = did_you_mean(text, &["full", "single", "windowed"]);
-            Err(format!("no technique '{text}':{meant} choose full, single or windowed"))
+            let meant = did_you_mean(text, &["full", "single", "windowed", "reconstructed"]);
+            Err(format!("no technique '{text}':{meant} choose full, single, windowed or reconstructed"))
         }
     }
 }

@@ -1,0 +1,152 @@
+// reconstruct: every geometric sample takes its colour from the shaded samples around it that lie on its surface, by a
+// bilateral filter (Chajdas et al. 2011; with shadow and secondary rays Holländer et al.'s successor, WSCG 2012, "SRAA for
+// ray tracing", section 3). A sample that none of them speaks for is shaded. CPU twin: src/reference/reconstruct.rs.
+
+@group(3) @binding(0) var daa_first: texture_2d<f32>;
+@group(3) @binding(1) var<storage, read_write> daa_plan: array<u32>;
+@group(3) @binding(2) var daa_color: texture_storage_2d<rgba32float, write>;
+@group(3) @binding(3) var<storage, read_write> daa_statistics: DaaStatistics;
+
+/// What the weights look at.
+struct DaaGeometry {
+    /// From the camera.
+    position: vec3f,
+    /// Along the view; 0 for the sky.
+    depth: f32,
+    normal: vec3f,
+    identity: u32,
+    shadow: u32,
+}
+
+fn daa_geometry(pixel: vec2u, rank: u32) -> DaaGeometry {
+    let at = pixel * DAA_M + daa_order(rank);
+    let surface = textureLoad(daa_gbuffer_surface, at, 0).xy;
+    let d = textureLoad(daa_gbuffer_depth, at, 0);
+    let valid = d > DAA_SKY_DEPTH;
+    let position = daa_relative_position(vec2f(at) + 0.5, select(1.0, d, valid));
+    let depth = select(0.0, dot(position, daa_frame.camera_forward), valid);
+    let normal = daa_octahedral_decode(unpack2x16snorm(surface.x));
+    return DaaGeometry(position, depth, normal, surface.y, select(0u, daa_shadow_bits(pixel, rank), valid));
+}
+
+fn daa_flag(bit: u32) -> bool {
+    return (daa_frame.flags & bit) != 0u;
+}
+
+/// How much a shaded sample j speaks for a geometric sample i, 0 to 1.
+fn daa_reconstruct_weight(i: DaaGeometry, j: DaaGeometry) -> f32 {
+    if i.depth == 0.0 || j.depth == 0.0 {
+        return f32(i.depth == j.depth);
+    }
+    if (daa_flag(DAA_FLAG_CUT_IDENTITY) && i.identity != j.identity) || (daa_flag(DAA_FLAG_CUT_SHADOW) && i.shadow != j.shadow) {
+        return 0.0;
+    }
+    // The paper's: depths over the sample's own, G(σz (zj − zi)), and G(σn (1 − sat(nj · ni))).
+    var apart = (j.depth - i.depth) / i.depth;
+    var bent = 1.0 - clamp(dot(i.normal, j.normal), 0.0, 1.0);
+    if daa_flag(DAA_FLAG_PLANES) {
+        // The sine of the angle at which j rises from i's plane: 0 on one plane, however slanted, at any scale. The chord
+        // between the normals.
+        let way = j.position - i.position;
+        apart = dot(way, i.normal) * inverseSqrt(max(dot(way, way), 1e-30));
+        let chord = j.normal - i.normal;
+        bent = sqrt(dot(chord, chord));
+    }
+    let z = daa_frame.reconstruct_depth * apart;
+    let n = daa_frame.reconstruct_normal * bent;
+    return exp2(-1.44269504 * min(z * z + n * n, 80.0));
+}
+
+/// The colour of geometric sample `rank` of a pixel from the shaded samples of its 3 × 3 windows; in w the sum of weights.
+struct DaaReconstructed {
+    sum: vec4f,
+    weight: f32,
+}
+
+fn daa_reconstruct_sample(pixel: vec2u, i: DaaGeometry) -> DaaReconstructed {
+    var r = DaaReconstructed(vec4f(0.0), 0.0);
+    let last = vec2i(daa_frame.size) - 1;
+    for (var y = -1; y <= 1; y++) {
+        for (var x = -1; x <= 1; x++) {
+            let at = vec2i(pixel) + vec2i(x, y);
+            if any(at < vec2i(0)) || any(at > last) {
+                continue;
+            }
+            let w = daa_reconstruct_weight(i, daa_geometry(vec2u(at), 0u));
+            r.sum += textureLoad(daa_first, at, 0) * w;
+            r.weight += w;
+        }
+    }
+    return r;
+}
+
+/// Luminance about as a display shows it.
+fn daa_shown(c: vec4f) -> f32 {
+    let l = min(daa_luminance(c.rgb) * daa_frame.exposure, 1e30);
+    return sqrt(l / (1.0 + l));
+}
+
+/// How many samples of its own surface a window is worth: the range of luminance over those of the four direct neighbours'
+/// shaded samples that speak for it, since other contrast is the geometry's.
+fn daa_contrast_samples(pixel: vec2u, own: DaaGeometry, own_color: vec4f) -> u32 {
+    if daa_frame.reconstruct_contrast == 0.0 || own.depth == 0.0 {
+        return 1u;
+    }
+    var least = daa_shown(own_color);
+    var most = least;
+    let last = vec2i(daa_frame.size) - 1;
+    for (var i = 0; i < 4; i++) {
+        let step = select(vec2i(i - 2, 0), vec2i(0, i - 1), (i & 1) == 0);
+        let at = clamp(vec2i(pixel) + step, vec2i(0), last);
+        if daa_reconstruct_weight(own, daa_geometry(vec2u(at), 0u)) >= 0.5 {
+            let l = daa_shown(textureLoad(daa_first, at, 0));
+            least = min(least, l);
+            most = max(most, l);
+        }
+    }
+    let range = select(most - least, 0.0, most - least < daa_frame.reconstruct_contrast_min);
+    return u32(clamp(round(daa_frame.reconstruct_contrast * range), 1.0, f32(daa_frame.geometry)));
+}
+
+@compute @workgroup_size(8, 8)
+fn daa_reconstruct_main(
+    @builtin(global_invocation_id) id: vec3u,
+    @builtin(workgroup_id) tile: vec3u,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    if any(id.xy >= daa_frame.size) {
+        return;
+    }
+    let own = daa_geometry(id.xy, 0u);
+    var own_color = textureLoad(daa_first, id.xy, 0);
+    var shaded = 1u;
+    // The first ranks of the window's own surface.
+    let k = daa_contrast_samples(id.xy, own, own_color);
+    var own_mean = daa_weighted(DaaMean(), own_color);
+    for (var rank = 1u; rank < k; rank++) {
+        if daa_reconstruct_weight(daa_geometry(id.xy, rank), own) >= 0.5 {
+            own_mean = daa_weighted(own_mean, daa_shade_sample(id.xy, rank, k));
+            shaded += 1u;
+        }
+    }
+    own_color = daa_mean_finish(own_mean);
+    var mean = DaaMean();
+    for (var rank = 0u; rank < daa_frame.geometry; rank++) {
+        let i = daa_geometry(id.xy, rank);
+        var c = own_color;
+        // The window's own sample is as near as any, and its texture footprint is this window's.
+        if !daa_flag(DAA_FLAG_OWN_FIRST) || daa_reconstruct_weight(i, own) < 0.5 {
+            let r = daa_reconstruct_sample(id.xy, i);
+            if r.weight >= daa_frame.reconstruct_least {
+                c = r.sum / r.weight;
+            } else if rank > 0u {
+                c = daa_shade_sample(id.xy, rank, DAA_M * DAA_M);
+                shaded += 1u;
+            }
+        }
+        mean = daa_weighted(mean, c);
+    }
+    textureStore(daa_color, id.xy, daa_mean_finish(mean));
+    daa_plan[(tile.y * daa_frame.tiles_x + tile.x) * 64u + lane] = shaded;
+    atomicAdd(&daa_statistics.histogram[shaded - 1u], 1u);
+}

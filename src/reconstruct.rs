@@ -1,0 +1,58 @@
+//! reconstruct: geometric samples take their colours from shaded ones around them.
+
+use crate::effects::Traced;
+use crate::error::PipelineError;
+use crate::pipeline::{Build, Lazy, PassInfo, Resource, entry};
+use crate::scratch::Scratch;
+
+pub(crate) const INFO: PassInfo = PassInfo {
+    name: "reconstruct",
+    reads: &[Resource::GBuffer, Resource::Host, Resource::First],
+    writes: &[Resource::Color, Resource::Plan, Resource::Statistics],
+};
+
+/// Where something was traced.
+pub(crate) const INFO_TRACED: PassInfo =
+    PassInfo { reads: &[Resource::GBuffer, Resource::Host, Resource::First, Resource::Shadows], ..INFO };
+
+#[derive(Debug)]
+pub(crate) struct Reconstruct {
+    layout: wgpu::BindGroupLayout,
+    pipelines: [Lazy<wgpu::ComputePipeline>; Traced::COUNT],
+}
+
+impl Reconstruct {
+    pub fn new(device: &wgpu::Device) -> Self {
+        let compute = wgpu::ShaderStages::COMPUTE;
+        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("daa reconstruct"),
+            entries: &[
+                entry::texture(0, compute),
+                entry::buffer(1, compute, false),
+                entry::store(2),
+                entry::buffer(3, compute, false),
+            ],
+        });
+        Self { layout, pipelines: Default::default() }
+    }
+
+    pub fn bind(&self, device: &wgpu::Device, scratch: &Scratch) -> wgpu::BindGroup {
+        device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("daa reconstruct"),
+            layout: &self.layout,
+            entries: &[
+                wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&scratch.first) },
+                wgpu::BindGroupEntry { binding: 1, resource: scratch.plan.as_entire_binding() },
+                wgpu::BindGroupEntry { binding: 2, resource: wgpu::BindingResource::TextureView(&scratch.color) },
+                wgpu::BindGroupEntry { binding: 3, resource: scratch.statistics.as_entire_binding() },
+            ],
+        })
+    }
+
+    pub fn pipeline(&self, build: &Build, traced: Traced) -> Result<&wgpu::ComputePipeline, PipelineError> {
+        self.pipelines[traced.index()].get(|| {
+            let source = build.host.join(include_str!("../shaders/reconstruct.wgsl"), traced);
+            build.compute(INFO.name, source, "daa_reconstruct_main", &self.layout, Some(traced))
+        })
+    }
+}
