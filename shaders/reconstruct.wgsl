@@ -66,16 +66,16 @@ struct DaaReconstructed {
 fn daa_reconstruct_sample(pixel: vec2u, i: DaaGeometry) -> DaaReconstructed {
     var r = DaaReconstructed(vec4f(0.0), 0.0);
     let last = vec2i(daa_frame.size) - 1;
-    for (var y = -1; y <= 1; y++) {
-        for (var x = -1; x <= 1; x++) {
-            let at = vec2i(pixel) + vec2i(x, y);
-            if any(at < vec2i(0)) || any(at > last) {
-                continue;
-            }
-            let w = daa_reconstruct_weight(i, daa_geometry(vec2u(at), 0u));
-            r.sum += textureLoad(daa_first, at, 0) * w;
-            r.weight += w;
+    // An end that the compiler does not know: nine copies take drivers seconds to compile, and run no faster.
+    let end = min(9, last.x + 9);
+    for (var place = 0; place < end; place++) {
+        let at = vec2i(pixel) + vec2i(place % 3, place / 3) - 1;
+        if any(at < vec2i(0)) || any(at > last) {
+            continue;
         }
+        let w = daa_reconstruct_weight(i, daa_geometry(vec2u(at), 0u));
+        r.sum += textureLoad(daa_first, at, 0) * w;
+        r.weight += w;
     }
     return r;
 }
@@ -89,13 +89,14 @@ fn daa_shown(c: vec4f) -> f32 {
 /// How many samples of its own surface a window is worth: the range of luminance over those of the four direct neighbours'
 /// shaded samples that speak for it, since other contrast is the geometry's.
 fn daa_contrast_samples(pixel: vec2u, own: DaaGeometry, own_color: vec4f) -> u32 {
-    if daa_frame.reconstruct_contrast == 0.0 || own.depth == 0.0 {
+    if !daa_flag(DAA_FLAG_OWN_FIRST) || daa_frame.reconstruct_contrast == 0.0 || own.depth == 0.0 {
         return 1u;
     }
     var least = daa_shown(own_color);
     var most = least;
     let last = vec2i(daa_frame.size) - 1;
-    for (var i = 0; i < 4; i++) {
+    let end = min(4, last.x + 4);
+    for (var i = 0; i < end; i++) {
         let step = select(vec2i(i - 2, 0), vec2i(0, i - 1), (i & 1) == 0);
         let at = clamp(vec2i(pixel) + step, vec2i(0), last);
         if daa_reconstruct_weight(own, daa_geometry(vec2u(at), 0u)) >= 0.5 {
@@ -118,34 +119,42 @@ fn daa_reconstruct_main(
         return;
     }
     let own = daa_geometry(id.xy, 0u);
-    var own_color = textureLoad(daa_first, id.xy, 0);
-    var shaded = 1u;
-    // The first ranks of the window's own surface.
+    let own_color = textureLoad(daa_first, id.xy, 0);
+    let n = DAA_M * DAA_M;
+    let own_first = daa_flag(DAA_FLAG_OWN_FIRST);
+    // The first k ranks are shaded where they lie on the window's own surface.
     let k = daa_contrast_samples(id.xy, own, own_color);
     var own_mean = daa_weighted(DaaMean(), own_color);
-    for (var rank = 1u; rank < k; rank++) {
-        if daa_reconstruct_weight(daa_geometry(id.xy, rank), own) >= 0.5 {
-            own_mean = daa_weighted(own_mean, daa_shade_sample(id.xy, rank, k));
-            shaded += 1u;
-        }
-    }
-    own_color = daa_mean_finish(own_mean);
-    var mean = DaaMean();
+    var on_own = 0.0;
+    var others = DaaMean();
+    var shaded = 1u;
     for (var rank = 0u; rank < daa_frame.geometry; rank++) {
         let i = daa_geometry(id.xy, rank);
-        var c = own_color;
         // The window's own sample is as near as any, and its texture footprint is this window's.
-        if !daa_flag(DAA_FLAG_OWN_FIRST) || daa_reconstruct_weight(i, own) < 0.5 {
-            let r = daa_reconstruct_sample(id.xy, i);
-            if r.weight >= daa_frame.reconstruct_least {
-                c = r.sum / r.weight;
-            } else if rank > 0u {
-                c = daa_shade_sample(id.xy, rank, DAA_M * DAA_M);
-                shaded += 1u;
-            }
+        let agrees = own_first && daa_reconstruct_weight(i, own) >= 0.5;
+        var around = DaaReconstructed(vec4f(0.0), 0.0);
+        if !agrees {
+            around = daa_reconstruct_sample(id.xy, i);
         }
-        mean = daa_weighted(mean, c);
+        let shades = rank > 0u && select(around.weight < daa_frame.reconstruct_least, rank < k, agrees);
+        var c = own_color;
+        if shades {
+            c = daa_shade_sample(id.xy, rank, select(n, k, agrees));
+            shaded += 1u;
+        } else if around.weight >= daa_frame.reconstruct_least {
+            c = around.sum / around.weight;
+        }
+        if agrees {
+            on_own += 1.0;
+        } else {
+            others = daa_weighted(others, c);
+        }
+        if agrees && shades {
+            own_mean = daa_weighted(own_mean, c);
+        }
     }
+    let all_own = daa_weighted(DaaMean(), daa_mean_finish(own_mean));
+    let mean = DaaMean(others.sum + all_own.sum * on_own, others.weight + all_own.weight * on_own);
     textureStore(daa_color, id.xy, daa_mean_finish(mean));
     daa_plan[(tile.y * daa_frame.tiles_x + tile.x) * 64u + lane] = shaded;
     atomicAdd(&daa_statistics.histogram[shaded - 1u], 1u);

@@ -99,8 +99,8 @@ pub struct Reconstructed {
     /// more samples at edges are shaded, fewer guessed.
     pub least_weight: f32,
     /// Samples per unit of luminance range between the shaded samples of direct neighbours that lie on one surface and in one
-    /// shadow, 0 to 1e6, at m = 4; m/4 of it at other m. So many of the window's samples on that surface are shaded. Higher: better
-    /// texture and highlights, at a cost; 0: off, as in the paper.
+    /// shadow, 0 to 1e6, at m = 4; m/4 of it at other m. So many of the window's samples on that surface are shaded, with
+    /// [`own_first`](Self::own_first). Higher: better texture and highlights, at a cost; 0: off, as in the paper.
     pub contrast_scale: f32,
     /// Ranges below are none, 0 to 1, of luminance √(l/(1+l)). Higher: less work in noise.
     pub contrast_min: f32,

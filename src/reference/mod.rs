@@ -10,6 +10,7 @@ pub mod metrics;
 pub mod octahedral;
 pub mod plan;
 pub mod rays;
+pub mod reconstruct;
 pub mod resolve;
 pub mod trace;
 pub mod window;

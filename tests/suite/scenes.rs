@@ -5,7 +5,7 @@ use crate::harness::{device, has_bindings};
 use deferred_aa::glam::{Vec2, Vec3};
 use deferred_aa::rays::RayTier;
 use deferred_aa::reference::metrics::{Input, Worth};
-use deferred_aa::{DeferredAa, Execution, Preset, Settings, Technique, TextureTier};
+use deferred_aa::{DeferredAa, Execution, Preset, Reconstructed, Settings, Technique, TextureTier};
 use deferred_aa_demo::gpu::Gpu;
 use deferred_aa_demo::host::{Host, Options, descriptor};
 use deferred_aa_demo::picture::Picture;
@@ -95,6 +95,13 @@ fn builtin_scene(name: &str) {
     let paper = Settings { windowed: deferred_aa::Windowed::PAPER, ..tiled };
     shot(&mut arrays, &camera, paper);
     assert_twin_agrees(&arrays, &paper);
+
+    for reconstructed in [Reconstructed::default(), Reconstructed::PAPER] {
+        let settings = Settings { technique: Technique::Reconstructed, reconstructed, ..tiled };
+        let once = shot(&mut arrays, &camera, settings);
+        assert!(shot(&mut arrays, &camera, settings).0.rgba == once.0.rgba, "{name}: not the same twice");
+        assert!(once.1.mean_k < 16.0);
+    }
 
     for execution in Execution::ALL {
         let (other, counted) = shot(&mut arrays, &camera, Settings { execution, ..tiled });

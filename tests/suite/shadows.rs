@@ -5,10 +5,11 @@ use deferred_aa::glam::{DAffine3, Mat4, Vec2, Vec3, Vec4, vec3};
 use deferred_aa::rays::{QUERY_FEATURES, RayTier};
 use deferred_aa::reference::rays as twin;
 use deferred_aa::reference::trace::Input;
-use deferred_aa::{DeferredAa, Effect, Execution, Settings, Technique, TextureTier};
+use deferred_aa::{DeferredAa, Effect, Execution, Reconstructed, Settings, Technique, TextureTier};
 use deferred_aa_demo::gpu::{self, Gpu};
 use deferred_aa_demo::host::{Host, Options, descriptor};
 use deferred_aa_demo::picture::Picture;
+use deferred_aa_demo::quality::{edge_psnr, psnr};
 use deferred_aa_demo::raster::node_camera;
 use deferred_aa_demo::rays::casting_lights;
 use deferred_aa_demo::scene::{Camera, Instance, Light, LightKind, Mesh, Scene, Sun, builtin};
@@ -155,6 +156,35 @@ fn techniques_trace_what_they_shade() {
     assert_eq!((off.shadow_rays, off.passes.len()), (0, 2));
 }
 
+/// Of thin casters: one shaded sample a window, and its geometric ones' shadow bits.
+#[test]
+fn shadow_edges_are_reconstructed() {
+    let scene = builtin::builtin("shadows").unwrap();
+    let camera = scene.default_camera();
+    let mut host = host(scene, 4, [160, 90]);
+    let picture = |host: &mut Host, settings: Settings| {
+        let statistics = host.frame(&camera, settings).unwrap().statistics;
+        (host.picture(), statistics)
+    };
+    let (all, of_full) = picture(&mut host, full());
+    let (single, _) = picture(&mut host, Settings { technique: Technique::Single, ..Default::default() });
+    let ours = Settings { technique: Technique::Reconstructed, ..Default::default() };
+    let (reconstructed, statistics) = picture(&mut host, ours);
+    let gained = psnr(&reconstructed, &all).unwrap() - psnr(&single, &all).unwrap();
+    assert!(gained >= 12.0, "{gained} dB");
+    assert!(statistics.mean_k < 2.5 && statistics.shadow_rays < of_full.shadow_rays * 2 / 3, "{statistics:?}");
+    // Shadow edges alone: pixels whose samples differ in shadow.
+    host.frame(&camera, full()).unwrap();
+    let edges: Vec<bool> = bits(&host).iter().map(|ranks| ranks.iter().any(|b| *b != ranks[0])).collect();
+    let at_edges = |image: &Picture| edge_psnr(image, &all, &edges).unwrap().unwrap();
+    assert!(edges.iter().filter(|&&e| e).count() > 500);
+    let gained = at_edges(&reconstructed) - at_edges(&single);
+    assert!(gained >= 6.0, "{gained} dB at shadow edges");
+    let every = Reconstructed { trace_all: true, ..Default::default() };
+    host.frame(&camera, Settings { reconstructed: every, ..ours }).unwrap();
+    assert!(psnr(&host.picture(), &all).unwrap() > psnr(&reconstructed, &all).unwrap());
+}
+
 // ---- Hard cases ----
 
 fn light(kind: LightKind, position: Vec3, range: f32) -> Light {
@@ -294,7 +324,7 @@ fn shadows_far_from_the_origin_are_the_same() {
     camera.eye += by;
     camera.target += by;
     let there = picture(far, &camera);
-    let psnr = deferred_aa_demo::quality::psnr(&here, &there).unwrap();
+    let psnr = psnr(&here, &there).unwrap();
     assert!(psnr >= 60.0, "{psnr} dB");
 }
 

@@ -2,8 +2,10 @@
 
 use crate::harness::{Rig, SHOW_USER, Sample, noise, rgba8};
 use deferred_aa::glam::{Vec2, Vec3};
-use deferred_aa::reference::{list, max_filter, plan, resolve};
-use deferred_aa::{DepthMeasure, Execution, LuminanceCurve, Settings, Technique, Weight, Windowed, window};
+use deferred_aa::reference::{list, max_filter, plan, reconstruct, resolve};
+use deferred_aa::{
+    DepthMeasure, Execution, LuminanceCurve, Reconstructed, Settings, Technique, Weight, Windowed, window,
+};
 
 /// A scene of everything: slanted planes, steps, curved normals, several materials, sky, noise.
 fn busy(x: u32, y: u32) -> Sample {
@@ -76,7 +78,7 @@ fn the_whole_frame_is_the_twins() {
                     let k = match technique {
                         Technique::Full => m * m,
                         Technique::Single => 1,
-                        Technique::Windowed => output.plan[i].0,
+                        Technique::Windowed | Technique::Reconstructed => output.plan[i].0,
                     };
                     let samples: Vec<[f64; 4]> = order[..k as usize]
                         .iter()
@@ -135,5 +137,65 @@ fn the_max_filter_is_the_twins() {
         let expected = max_filter::max_filter(&counts, width, height);
         assert!(filtered.plan.iter().map(|p| p.0).eq(expected), "m = {m}");
         assert!(filtered.statistics.shaded > looped.statistics.shaded);
+    }
+}
+
+/// Ours, the paper's, and each addition alone, on everything at once: colours, and how many samples were shaded.
+#[test]
+fn reconstructions_are_the_twins() {
+    let paper = Reconstructed::PAPER;
+    let ours = Reconstructed::default();
+    let variants = [
+        ours,
+        paper,
+        Reconstructed { contrast_scale: 0.0, ..ours },
+        Reconstructed { own_first: false, least_weight: 3.0, ..ours },
+        Reconstructed { planes: true, normal_scale: 4.0, ..paper },
+        Reconstructed { cut_identity: true, ..paper },
+        // Row 23: nothing agrees but with itself.
+        Reconstructed { depth_scale: 1e6, normal_scale: 1e6, rotated_grid: false, ..paper },
+    ];
+    for m in [1, 2, 4, 5] {
+        let mut rig = Rig::new(m, 37, 21, SHOW_USER);
+        rig.fill(busy);
+        for reconstructed in variants {
+            let settings = Settings { technique: Technique::Reconstructed, reconstructed, ..Default::default() };
+            let output = rig.run(settings);
+            let order = if reconstructed.rotated_grid { window::rotated(m) } else { window::order(m) };
+            let shade = |x: u32, y: u32, rank: u32| {
+                let (sx, sy) = order[rank as usize];
+                let s = busy(x * m + u32::from(sx), y * m + u32::from(sy));
+                if s.depth == 0.0 { [0.0; 4] } else { s.user.to_le_bytes().map(|c| f64::from(c) / 255.0) }
+            };
+            let (mut unsure, mut shaded) = (0, 0);
+            rig.with_input(|input| {
+                let twin = reconstruct::Input {
+                    camera: rig.camera,
+                    m,
+                    size: rig.size,
+                    depth: input.depth,
+                    surface: input.surface,
+                    first: input.first,
+                    shadow: &|_, _, _| 0,
+                    shade: &shade,
+                };
+                for (i, (pixel, plan)) in output.image.iter().zip(&output.plan).enumerate() {
+                    let expected = twin.pixel(i as u32 % 37, i as u32 / 37, &reconstructed);
+                    assert!(pixel.iter().all(|c| c.is_finite()));
+                    shaded += u64::from(plan.0);
+                    if !expected.sure {
+                        unsure += 1;
+                        continue;
+                    }
+                    assert_eq!(plan.0, expected.k, "m = {m} {reconstructed:?} {i}");
+                    for c in 0..4 {
+                        let apart = (f64::from(pixel[c]) - expected.color[c]).abs();
+                        assert!(apart <= 2e-3, "m = {m} {reconstructed:?} {i}.{c}: {pixel:?} {expected:?}");
+                    }
+                }
+            });
+            assert!(unsure < 37 * 21 / 10, "m = {m} {reconstructed:?}: {unsure} unsure");
+            assert_eq!(output.statistics.shaded, shaded);
+        }
     }
 }

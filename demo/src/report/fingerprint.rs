@@ -8,7 +8,7 @@ use sha2::{Digest as _, Sha256};
 pub struct Fingerprint(Sha256);
 
 /// All shader code that has a part in an image. The library's own too: a result of other code is another result.
-const CODE: [&str; 21] = [
+const CODE: [&str; 26] = [
     crate::host::SHADING_WGSL,
     include_str!("../raster.wgsl"),
     include_str!("../../../shaders/audit.wgsl"),
@@ -23,9 +23,14 @@ const CODE: [&str; 21] = [
     include_str!("../../../shaders/octahedral.wgsl"),
     include_str!("../../../shaders/pack.wgsl"),
     include_str!("../../../shaders/plan.wgsl"),
+    include_str!("../../../shaders/rays.wgsl"),
+    include_str!("../../../shaders/rays_query.wgsl"),
+    include_str!("../../../shaders/rays_software.wgsl"),
+    include_str!("../../../shaders/reconstruct.wgsl"),
     include_str!("../../../shaders/resolve.wgsl"),
     include_str!("../../../shaders/sample.wgsl"),
     include_str!("../../../shaders/shade.wgsl"),
+    include_str!("../../../shaders/trace.wgsl"),
     include_str!("../../../shaders/table_arrays.wgsl"),
     include_str!("../../../shaders/table_bindings.wgsl"),
     include_str!("../../../shaders/work.wgsl"),

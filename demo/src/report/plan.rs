@@ -2,7 +2,7 @@
 
 use super::schema::Role;
 use crate::peers::Peer;
-use deferred_aa::{Preset, Settings, Technique, Weight, Windowed};
+use deferred_aa::{Preset, Reconstructed, Settings, Technique, Weight, Windowed};
 
 /// One entry to measure.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,7 +24,7 @@ pub struct Planned {
 }
 
 /// What `--techniques` takes, in the order of the report.
-pub const TECHNIQUES: [&str; 3] = ["full", "single", "windowed"];
+pub const TECHNIQUES: [&str; 4] = ["full", "single", "windowed", "reconstructed"];
 
 /// Peers, of which `--techniques` takes the names too, and how people call them.
 pub const PEERS: [(Peer, &str); 2] = [(Peer::Fxaa, "FXAA"), (Peer::Smaa, "SMAA 1x")];
@@ -83,6 +83,20 @@ pub fn plan(ms: &[u32], techniques: &[&str], base: Settings, quick: bool) -> Vec
             for (name, label, windowed) in PRESETS {
                 let (id, label) = (format!("windowed-@-{name}"), format!("{label}, m = {m}"));
                 push(&id, label, Technique::Windowed, Some(name), windowed);
+            }
+        }
+        if wanted("reconstructed") {
+            let paper = Settings { reconstructed: Reconstructed::PAPER, ..base };
+            for (id, label, settings) in [("", "", base), ("-paper", ", as in the paper", paper)] {
+                all.push(Planned {
+                    id: format!("reconstructed-m{m}{id}"),
+                    label: format!("Reconstructed{label}, m = {m}"),
+                    role: Role::Technique,
+                    preset: (!id.is_empty()).then_some("paper"),
+                    m,
+                    settings: Settings { technique: Technique::Reconstructed, ..settings },
+                    peer: None,
+                });
             }
         }
     }
