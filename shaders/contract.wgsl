@@ -81,6 +81,8 @@ const DAA_FLAG_CUT_IDENTITY: u32 = 512u;
 const DAA_FLAG_CUT_SHADOW: u32 = 1024u;
 const DAA_FLAG_OWN_FIRST: u32 = 2048u;
 const DAA_FLAG_TRACE_ALL: u32 = 4096u;
+const DAA_FLAG_REFLECTIONS: u32 = 8192u;
+const DAA_FLAG_REFRACTIONS: u32 = 16384u;
 
 /// One sample of the G-buffer, as `material`, `shade` and `sky` see it.
 struct DaaSample {
@@ -115,6 +117,8 @@ struct DaaSample {
     secondary: vec3f,
     /// The sample's place in the order of its window.
     rank: u32,
+    /// 1 if `secondary` was traced; 0 if the host had better stand in for it.
+    traced: u32,
 }
 
 /// A piece of surface under one pixel, as `light` sees it: a sample, or the centroid of several.
@@ -143,6 +147,20 @@ struct DaaSurface {
     coverage: f32,
     /// The output pixel.
     pixel: vec2u,
+    /// 1 if `secondary` was traced; 0 if the host had better stand in for it.
+    traced: u32,
+}
+
+/// What a surface reflects and refracts: the host's `bounce` says it.
+struct DaaBounce {
+    /// Weight of the radiance that the mirrored ray meets; 0: none is traced.
+    reflection: vec3f,
+    /// Index of refraction of the object's inside over its outside; 1: the ray goes straight on.
+    ior: f32,
+    /// Weight of what the refracted ray meets; 0: none is traced.
+    refraction: vec3f,
+    /// World space, unit length: both are taken about it.
+    normal: vec3f,
 }
 
 /// What textures say about a sample. The crate may average it over several samples of one surface, so every
@@ -180,6 +198,7 @@ fn daa_surface(s: DaaSample, coverage: f32) -> DaaSurface {
     f.secondary = s.secondary;
     f.coverage = coverage;
     f.pixel = s.pixel;
+    f.traced = s.traced;
     return f;
 }
 

@@ -20,6 +20,10 @@ struct DaaHit {
     front: u32,
     /// Weights of the second and the third vertex.
     barycentrics: vec2f,
+    /// Where the instance's record begins in daa_ray_top.
+    record: u32,
+    /// Where the triangle's lies in daa_ray_geometry.
+    corners: u32,
 }
 
 const DAA_MISS: u32 = 0xffffffffu;

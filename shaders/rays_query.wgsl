@@ -8,7 +8,7 @@ const DAA_RAY_FORCE_NO_OPAQUE: u32 = 2u;
 const DAA_RAY_TERMINATE_ON_FIRST_HIT: u32 = 4u;
 
 fn daa_trace(ray: DaaRay, any: bool, through: u32) -> DaaHit {
-    var hit = DaaHit(ray.t_max, DAA_MISS, 0u, 0u, vec2f(0.0));
+    var hit = DaaHit(ray.t_max, DAA_MISS, 0u, 0u, vec2f(0.0), 0u, 0u);
     let instances = daa_ray_top[0].x;
     if daa_ray_top[0].y == 0u {
         return hit;
@@ -31,9 +31,11 @@ fn daa_trace(ray: DaaRay, any: bool, through: u32) -> DaaHit {
     }
     let found = rayQueryGetCommittedIntersection(&query);
     if found.kind == RAY_QUERY_INTERSECTION_TRIANGLE {
-        let names = daa_ray_top[instances + found.instance_custom_data * DAA_RAY_RECORD + 3u];
-        let corners = daa_ray_geometry[names.z + found.primitive_index];
-        hit = DaaHit(found.t, names.y, corners.w, u32(found.front_face), found.barycentrics);
+        let record = instances + found.instance_custom_data * DAA_RAY_RECORD;
+        let names = daa_ray_top[record + 3u];
+        let corners = names.z + found.primitive_index;
+        let triangle = daa_ray_geometry[corners].w;
+        hit = DaaHit(found.t, names.y, triangle, u32(found.front_face), found.barycentrics, record, corners);
     }
     return hit;
 }

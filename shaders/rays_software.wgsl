@@ -146,7 +146,7 @@ fn daa_triangle(s: DaaShear, t_min: f32, t_max: f32, a: vec3f, b: vec3f, c: vec3
 /// The first hit of the ray; with `any`, whichever comes first in the tree. Triangles of the object `through` that are seen
 /// from behind do not count: DAA_MISS if all do.
 fn daa_trace(ray: DaaRay, any: bool, through: u32) -> DaaHit {
-    var hit = DaaHit(ray.t_max, DAA_MISS, 0u, 0u, vec2f(0.0));
+    var hit = DaaHit(ray.t_max, DAA_MISS, 0u, 0u, vec2f(0.0), 0u, 0u);
     if daa_ray_top[0].y == 0u {
         return hit;
     }
@@ -158,6 +158,7 @@ fn daa_trace(ray: DaaRay, any: bool, through: u32) -> DaaHit {
     var height = 0u;
     // Below this height the stack is the top level's; DAA_MISS while in it.
     var entry = DAA_MISS;
+    var record = 0u;
     var names: vec4u;
     var more: vec4u;
     var nodes = vec2u(0u, DAA_RAY_ROOT);
@@ -179,6 +180,7 @@ fn daa_trace(ray: DaaRay, any: bool, through: u32) -> DaaHit {
                 }
                 entry = height;
                 let at = instances + index * DAA_RAY_RECORD;
+                record = at;
                 let x = bitcast<vec4f>(daa_ray_top[at]);
                 let y = bitcast<vec4f>(daa_ray_top[at + 1u]);
                 let z = bitcast<vec4f>(daa_ray_top[at + 2u]);
@@ -199,7 +201,7 @@ fn daa_trace(ray: DaaRay, any: bool, through: u32) -> DaaHit {
                 let c = bitcast<vec3f>(daa_ray_geometry[corners.z].xyz) - space.origin;
                 let found = daa_triangle(shear, ray.t_min, hit.t, a, b, c);
                 if found.t < hit.t && daa_ray_stops(names, more, corners.xyz, found.barycentrics, found.front, through) {
-                    hit = DaaHit(found.t, names.y, corners.w, u32(found.front), found.barycentrics);
+                    hit = DaaHit(found.t, names.y, corners.w, u32(found.front), found.barycentrics, record, index);
                     if any {
                         return hit;
                     }

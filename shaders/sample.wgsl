@@ -67,6 +67,8 @@ fn daa_fetch(pixel: vec2u, rank: u32, footprint: f32, offset: vec2f) -> DaaSampl
     s.ddx = ddx * footprint;
     s.ddy = ddy * footprint;
     s.shadow = daa_shadow_bits(pixel, rank);
-    s.secondary = vec3f(0.0);
+    let code = daa_secondary_code(pixel, rank);
+    s.secondary = daa_radiance_decode(code);
+    s.traced = u32(code != 0u);
     return s;
 }

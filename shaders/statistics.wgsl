@@ -13,4 +13,8 @@ struct DaaStatistics {
     decided: array<atomic<u32>, 6>,
     /// Rays towards lights.
     shadow_rays: atomic<u32>,
+    /// Rays from mirrors.
+    reflection_rays: atomic<u32>,
+    /// Rays into what is transparent.
+    refraction_rays: atomic<u32>,
 }

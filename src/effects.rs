@@ -13,6 +13,9 @@ pub struct Needs<'a> {
     /// The lights that cast shadows, at most 32: bit i of `DaaSurface::shadow` says that light i of these does not reach the
     /// surface. Lights that cast none stay out of it.
     pub shadows: &'a [CastingLight],
+    /// The materials (of `DaaSample::material`, below 65536) whose surfaces reflect or refract: the host's `bounce` is asked what
+    /// of them. Others send no ray.
+    pub bounces: &'a [u32],
 }
 
 /// Most lights that cast shadows: one for each bit.
@@ -41,28 +44,39 @@ pub enum CastingLight {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub(crate) struct Traced {
     pub shadows: bool,
+    pub secondary: bool,
 }
 
 impl Traced {
     /// Combinations.
-    pub const COUNT: usize = 2;
+    pub const COUNT: usize = 4;
+    /// All of them, by [`index`](Self::index).
+    pub const ALL: [Self; Self::COUNT] = [
+        Self { shadows: false, secondary: false },
+        Self { shadows: true, secondary: false },
+        Self { shadows: false, secondary: true },
+        Self { shadows: true, secondary: true },
+    ];
 
     pub fn of(settings: &Settings, needs: &Needs<'_>) -> Self {
+        let gets = |effect, needed: bool| match effect {
+            Effect::Auto => needed,
+            Effect::On => true,
+            Effect::Off => false,
+        };
+        let bounces = !needs.bounces.is_empty();
         Self {
-            shadows: match settings.shadows {
-                Effect::Auto => !needs.shadows.is_empty(),
-                Effect::On => true,
-                Effect::Off => false,
-            },
+            shadows: gets(settings.shadows, !needs.shadows.is_empty()),
+            secondary: gets(settings.reflections, bounces) || gets(settings.refraction, bounces),
         }
     }
 
     pub fn index(self) -> usize {
-        usize::from(self.shadows)
+        usize::from(self.shadows) + 2 * usize::from(self.secondary)
     }
 
     pub fn any(self) -> bool {
-        self.shadows
+        self.shadows || self.secondary
     }
 }
 
@@ -83,7 +97,8 @@ pub(crate) struct LightUniform {
 #[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 pub(crate) struct CastingUniform {
     pub count: u32,
-    pub padding: [u32; 3],
+    pub samples: u32,
+    pub padding: [u32; 2],
     pub lights: [LightUniform; MAX_CASTING_LIGHTS],
 }
 
@@ -100,6 +115,19 @@ impl CastingUniform {
         }
         Ok(uniform)
     }
+}
+
+/// Words of a bit for each material.
+const BOUNCING_WORDS: usize = 65536 / 32;
+pub(crate) const BOUNCING_BYTES: u64 = BOUNCING_WORDS as u64 * 4;
+
+/// A bit for each material that sends rays.
+pub(crate) fn bouncing(materials: &[u32]) -> Vec<u32> {
+    let mut words = vec![0; BOUNCING_WORDS];
+    for &material in materials {
+        words[(material & 0xffff) as usize / 32] |= 1 << (material % 32);
+    }
+    words
 }
 
 impl CastingLight {

@@ -172,6 +172,11 @@ pub enum RecordError {
     /// The frame needs rays and brings no scene for them.
     #[error("the frame asks for rays, but has no scene for them; set Needs::rays")]
     NoRayScene,
+    /// The frame has materials that send rays, the host's WGSL does not say which.
+    #[error(
+        "the frame has materials that reflect or refract, but the host's WGSL has no `fn bounce(s: DaaSample) -> DaaBounce`; write it, or leave Needs::bounces empty"
+    )]
+    NoBounce,
     /// The scene for rays is for another tier.
     #[error(
         "the scene for rays was made for RayTier::{scene:?}, the node for RayTier::{node:?}; make it with the node's tier"

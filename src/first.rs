@@ -13,7 +13,7 @@ pub(crate) const INFO: PassInfo = PassInfo {
 
 /// Where something was traced.
 pub(crate) const INFO_TRACED: PassInfo =
-    PassInfo { reads: &[Resource::GBuffer, Resource::Host, Resource::Shadows], ..INFO };
+    PassInfo { reads: &[Resource::GBuffer, Resource::Host, Resource::Traced], ..INFO };
 
 #[derive(Debug)]
 pub(crate) struct First {

@@ -3,7 +3,7 @@
 use crate::audit::Audited;
 use crate::effects::Needs;
 use crate::error::RecordError;
-use crate::settings::{DepthMeasure, LuminanceCurve, Settings, Technique, Weight};
+use crate::settings::{DepthMeasure, Effect, LuminanceCurve, Settings, Technique, Weight};
 use crate::window;
 use glam::{DMat4, DVec4, Mat4, Vec3};
 
@@ -109,6 +109,8 @@ pub(crate) mod flag {
     pub const CUT_SHADOW: u32 = 1024;
     pub const OWN_FIRST: u32 = 2048;
     pub const TRACE_ALL: u32 = 4096;
+    pub const REFLECTIONS: u32 = 8192;
+    pub const REFRACTIONS: u32 = 16384;
 }
 
 impl FrameUniform {
@@ -135,6 +137,8 @@ impl FrameUniform {
             (r.cut_shadow, flag::CUT_SHADOW),
             (r.own_first, flag::OWN_FIRST),
             (r.trace_all, flag::TRACE_ALL),
+            (frame.settings.reflections != Effect::Off, flag::REFLECTIONS),
+            (frame.settings.refraction != Effect::Off, flag::REFRACTIONS),
         ];
         let rotated = frame.settings.technique == Technique::Reconstructed && r.rotated_grid;
         let places = if rotated { window::rotated(m) } else { window::order(m) };

@@ -39,6 +39,7 @@ const SHADING: [(&str, &str); 5] = [
     ),
 ];
 const TRACE: &str = include_str!("../shaders/trace.wgsl");
+const BOUNCE: &str = include_str!("../shaders/bounce.wgsl");
 const TIERS: [TextureTier; 3] = [TextureTier::None, TextureTier::Arrays, TextureTier::Bindings];
 
 fn plain(pass: &str) -> naga::Module {
@@ -54,17 +55,23 @@ fn modules() -> Vec<(String, naga::Module)> {
     let split = "fn material(s: DaaSample) -> DaaMaterial { return DaaMaterial(); }
         fn light(f: DaaSurface, m: DaaMaterial) -> vec4f { return m.base_color * f.coverage; }
         fn sky(s: DaaSample) -> vec4f { return vec4f(s.view, 1.0); }
+        fn bounce(s: DaaSample) -> DaaBounce { return DaaBounce(s.normal, 1.5, s.view, s.normal); }
         fn solid(material: u32, uv: vec2f) -> bool { return fract(uv.x) > 0.5; }";
     for tier in TIERS {
         for source in [whole, split] {
             let host = HostSource::check(source, "host", tier, BINDING_FEATURES).expect("a sound hook");
-            for shadows in [false, true] {
-                let joined =
-                    |(name, pass)| (format!("{name} {tier:?} {shadows}"), parse(&host.join(pass, Traced { shadows })));
+            for traced in Traced::ALL {
+                let joined = |(name, pass)| (format!("{name} {tier:?} {traced:?}"), parse(&host.join(pass, traced)));
                 all.extend(SHADING.map(joined));
             }
             for rays in [RayTier::Software, RayTier::Query] {
-                all.push((format!("trace {tier:?} {rays:?}"), parse(&host.join_traced(TRACE, rays))));
+                all.push((format!("trace {tier:?} {rays:?}"), parse(&host.join_traced(TRACE, rays, false))));
+                if host.bounces {
+                    all.push((
+                        format!("trace, bounce {tier:?} {rays:?}"),
+                        parse(&host.join_traced(BOUNCE, rays, true)),
+                    ));
+                }
             }
         }
     }
@@ -118,7 +125,16 @@ fn every_joined_module_is_sound_and_has_the_frame() {
 
 #[test]
 fn counters_are_the_shaders() {
-    let counters = rust_layout!(Counters { histogram, not_finite, negative, overflowed_tiles, decided, shadow_rays });
+    let counters = rust_layout!(Counters {
+        histogram,
+        not_finite,
+        negative,
+        overflowed_tiles,
+        decided,
+        shadow_rays,
+        reflection_rays,
+        refraction_rays
+    });
     for (name, module) in modules() {
         assert_eq!(wgsl_layout(&module, "DaaStatistics"), counters, "{name}");
     }
@@ -127,7 +143,7 @@ fn counters_are_the_shaders() {
 #[test]
 fn casting_lights_are_the_shaders() {
     let light = rust_layout!(LightUniform { position, punctual, direction, cone, range, padding });
-    let casting = rust_layout!(CastingUniform { count, padding, lights });
+    let casting = rust_layout!(CastingUniform { count, samples, padding, lights });
     for (name, module) in modules().into_iter().filter(|(name, _)| name.starts_with("trace")) {
         assert_eq!(wgsl_layout(&module, "DaaCastingLight"), light, "{name}");
         assert_eq!(wgsl_layout(&module, "DaaCasting"), casting, "{name}");
@@ -147,6 +163,8 @@ fn flags_are_the_shaders() {
         ("CUT_SHADOW", flag::CUT_SHADOW),
         ("OWN_FIRST", flag::OWN_FIRST),
         ("TRACE_ALL", flag::TRACE_ALL),
+        ("REFLECTIONS", flag::REFLECTIONS),
+        ("REFRACTIONS", flag::REFRACTIONS),
         ("WEIGHT_LUMINANCE", flag::WEIGHT_LUMINANCE),
         ("FULL", flag::FULL),
         ("PLANNED", flag::PLANNED),
@@ -219,12 +237,9 @@ fn tiles_are_the_shaders() {
         ("daa_shade_pixels", flat),
         ("daa_shade_loop", tile),
         ("daa_shade_tiled", flat),
-        ("daa_trace_audited", flat),
-        ("daa_trace_planned", flat),
-        ("daa_trace_first", flat),
         ("daa_reconstruct_main", tile),
-        ("daa_trace_full", flat),
-        ("daa_trace_geometric", flat),
+        ("daa_trace_main", flat),
+        ("daa_bounce_main", flat),
     ];
     let mut seen = 0;
     for (name, module) in modules() {
@@ -304,10 +319,14 @@ fn builtins_are_what_the_shaders_use() {
         include_str!("../shaders/table_arrays.wgsl"),
         include_str!("../shaders/table_bindings.wgsl"),
         include_str!("../shaders/shadows.wgsl"),
+        include_str!("../shaders/secondary.wgsl"),
+        include_str!("../shaders/shared_exponent.wgsl"),
+        include_str!("../shaders/casting.wgsl"),
         include_str!("../shaders/rays.wgsl"),
         include_str!("../shaders/rays_software.wgsl"),
         include_str!("../shaders/rays_query.wgsl"),
         TRACE,
+        BOUNCE,
     ];
     const OTHER: [&str; 11] =
         ["binding", "builtin", "for", "group", "if", "location", "return", "size", "switch", "while", "workgroup_size"];

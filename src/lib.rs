@@ -34,6 +34,7 @@
 #![deny(missing_docs)]
 
 mod audit;
+mod bounce;
 mod effects;
 mod error;
 mod first;
@@ -62,6 +63,7 @@ mod shade;
 mod statistics;
 mod table;
 mod trace;
+mod traces;
 mod view;
 mod wgsl;
 pub mod window;

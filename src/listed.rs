@@ -13,7 +13,7 @@ pub(crate) const INFO: PassInfo = PassInfo {
 
 /// Where something was traced.
 pub(crate) const INFO_TRACED: PassInfo = PassInfo {
-    reads: &[Resource::GBuffer, Resource::Host, Resource::First, Resource::Plan, Resource::List, Resource::Shadows],
+    reads: &[Resource::GBuffer, Resource::Host, Resource::First, Resource::Plan, Resource::List, Resource::Traced],
     ..INFO
 };
 

@@ -1,7 +1,8 @@
 //! The node: knows the order of the frame's passes, and nobody else does.
 
 use crate::audit::{self, Audit, Audited};
-use crate::effects::{CastingUniform, Needs, Traced};
+use crate::bounce::{self, Bounce};
+use crate::effects::{self, CastingUniform, Needs, Traced};
 use crate::error::{BuildError, RecordError, ShadingError, SizeError, TableError};
 use crate::first::{self, First};
 use crate::frame::{Frame, FrameUniform};
@@ -22,7 +23,8 @@ use crate::settings::{DebugView, Execution, Goal, Settings, Technique};
 use crate::shade::{self, Shade, Variant};
 use crate::statistics::{Collector, MAX_PASSES, Recorded, Statistics};
 use crate::table::{TableTexture, Tables, TextureTable, TextureTier};
-use crate::trace::{Samples, Trace, Traces};
+use crate::trace::{Samples, Trace};
+use crate::traces::Traces;
 use crate::view::{self, View};
 use crate::wgsl::{self, HostSource};
 use crate::window::MAX_M;
@@ -103,8 +105,11 @@ pub struct DeferredAa {
 struct Tracer {
     tier: RayTier,
     trace: Trace,
-    /// `DaaCasting`, a slot a frame; from the first frame that traces.
+    bounce: Bounce,
+    /// `DaaCasting`, a slot for each frame and each [`Samples`]; from the first frame that traces.
     lights: Option<wgpu::Buffer>,
+    /// The materials that send rays, as they were last written; from the first frame that has some.
+    bouncing: Option<(Vec<u32>, wgpu::Buffer)>,
 }
 
 /// What goes with a size.
@@ -131,7 +136,14 @@ struct Sized {
 #[derive(Debug)]
 struct SizedTraces {
     traces: Traces,
-    bound: Option<(u64, wgpu::BindGroup)>,
+    bound: Option<BoundTraces>,
+}
+
+#[derive(Debug)]
+struct BoundTraces {
+    generation: u64,
+    trace: Option<wgpu::BindGroup>,
+    bounce: Option<wgpu::BindGroup>,
 }
 
 /// A list and what binds it.
@@ -162,6 +174,8 @@ pub struct Intermediates<'a> {
     /// The shadow bits of all samples, rank by rank in the order of the plan, once a frame traced; of those that were not
     /// traced what was there before.
     pub shadows: Option<&'a wgpu::Buffer>,
+    /// What they reflect and refract, likewise: codes of shared_exponent.wgsl, 0 where nothing was traced.
+    pub secondary: Option<&'a wgpu::Buffer>,
 }
 
 impl Intermediates<'_> {
@@ -184,6 +198,7 @@ pub struct Pass {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Step {
     Trace(Samples),
+    Bounce(Samples),
     First,
     Metrics,
     MaxFilter,
@@ -218,16 +233,20 @@ fn order(settings: &Settings, traced: Traced) -> [Option<Step>; MAX_PASSES] {
     };
     let filtered = planned && settings.execution == Execution::MaxFiltered;
     let audited = planned && matches!(settings.goal, Some(Goal::Error(_)));
-    let trace = |samples, when| (when && traced.any()).then_some(Step::Trace(samples));
-    let full = settings.technique == Technique::Full;
+    let trace = |samples, when| (when && traced.shadows).then_some(Step::Trace(samples));
+    let bounce = |samples, when| (when && traced.secondary).then_some(Step::Bounce(samples));
+    let before = if settings.technique == Technique::Full { Samples::Full } else { Samples::First };
     let reconstructs = settings.technique == Technique::Reconstructed;
+    let beyond = if reconstructs { Samples::Geometric } else { Samples::Planned };
     [
-        trace(if full { Samples::Full } else { Samples::First }, true),
+        trace(before, true),
+        bounce(before, true),
         first.then_some(Step::First),
         planned.then_some(Step::Metrics),
         filtered.then_some(Step::MaxFilter),
         planned.then_some(Step::Plan),
-        trace(if reconstructs { Samples::Geometric } else { Samples::Planned }, planned || reconstructs),
+        trace(beyond, planned || reconstructs),
+        bounce(beyond, planned || reconstructs),
         list,
         shade,
         Some(match settings.view {
@@ -236,6 +255,7 @@ fn order(settings: &Settings, traced: Traced) -> [Option<Step>; MAX_PASSES] {
         }),
         // Behind the image, which does not wait for it.
         trace(Samples::Audited, audited),
+        bounce(Samples::Audited, audited),
         audited.then_some(Step::Audit),
     ]
 }
@@ -253,13 +273,17 @@ fn execute(execution: Execution) -> Step {
 impl Step {
     /// Whether the host's code runs in it.
     fn shades(self) -> bool {
-        matches!(self, Self::First | Self::Shade(_) | Self::Listed(_) | Self::Reconstruct | Self::Audit)
+        matches!(
+            self,
+            Self::Bounce(_) | Self::First | Self::Shade(_) | Self::Listed(_) | Self::Reconstruct | Self::Audit
+        )
     }
 
     fn info(self, traced: Traced) -> PassInfo {
         let traced = traced.any();
         match self {
             Self::Trace(samples) => samples.info(),
+            Self::Bounce(samples) => bounce::info(samples),
             Self::First if traced => first::INFO_TRACED,
             Self::First => first::INFO,
             Self::Metrics => metrics::INFO,
@@ -318,7 +342,7 @@ impl DeferredAa {
             m: descriptor.m,
             host,
             target_format: descriptor.target_format,
-            frame_layouts: [false, true].map(|shadows| frame_layout(device, Traced { shadows })),
+            frame_layouts: Traced::ALL.map(|traced| frame_layout(device, traced)),
             table_layout: tables.as_ref().map(|t| t.layout.clone()),
             host_layout: host_layout.cloned(),
         };
@@ -335,7 +359,13 @@ impl DeferredAa {
             resolve: Resolve::new(device),
             view: View::new(device),
             audit: Audit::new(device),
-            tracer: descriptor.rays.map(|tier| Tracer { tier, trace: Trace::new(device, tier), lights: None }),
+            tracer: descriptor.rays.map(|tier| Tracer {
+                tier,
+                trace: Trace::new(device, tier),
+                bounce: Bounce::new(device, tier),
+                lights: None,
+                bouncing: None,
+            }),
             uniforms: device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("daa frame"),
                 size: UNIFORM_STRIDE * UNIFORM_SLOTS,
@@ -384,7 +414,9 @@ impl DeferredAa {
         }
         self.sized = Some(Sized {
             frames: [
-                Some(bind_frame(device, &self.build.frame_layouts[0], &self.uniforms, &scratch.gbuffer, None)),
+                Some(bind_frame(device, &self.build.frame_layouts[0], &self.uniforms, &scratch.gbuffer, [None, None])),
+                None,
+                None,
                 None,
             ],
             traced: None,
@@ -417,7 +449,8 @@ impl DeferredAa {
             tiles: scratch::tiles(s.scratch.size),
             pixel_list: s.lists[ListKind::Pixels as usize].as_ref().map(|l| &l.list.list),
             sample_list: s.lists[ListKind::Samples as usize].as_ref().map(|l| &l.list.list),
-            shadows: s.traced.as_ref().map(|t| &t.traces.shadows),
+            shadows: s.traced.as_ref().and_then(|t| t.traces.shadows.as_ref()),
+            secondary: s.traced.as_ref().and_then(|t| t.traces.secondary.as_ref()),
         })
     }
 
@@ -432,8 +465,10 @@ impl DeferredAa {
     }
 
     fn ray_bytes(&self) -> u64 {
-        let traces = self.sized.as_ref().and_then(|s| s.traced.as_ref()).map_or(0, |t| t.traces.shadows.size());
-        traces + self.tracer.as_ref().and_then(|t| t.lights.as_ref()).map_or(0, wgpu::Buffer::size)
+        let traces = self.sized.as_ref().and_then(|s| s.traced.as_ref()).map_or(0, |t| t.traces.held());
+        let Some(tracer) = &self.tracer else { return traces };
+        let lights = tracer.lights.as_ref().map_or(0, wgpu::Buffer::size);
+        traces + lights + tracer.bouncing.as_ref().map_or(0, |(_, buffer)| buffer.size())
     }
 
     fn list_bytes(&self, size: [u32; 2]) -> u64 {
@@ -470,9 +505,16 @@ impl DeferredAa {
         let traced = Traced::of(settings, needs);
         for step in order(settings, traced).into_iter().flatten() {
             match step {
-                Step::Trace(samples) => {
+                Step::Trace(_) => {
                     let tracer = self.tracer.as_ref().ok_or(RecordError::NoRays)?;
-                    tracer.trace.pipeline(&self.build, tracer.tier, samples)?;
+                    tracer.trace.pipeline(&self.build, tracer.tier)?;
+                }
+                Step::Bounce(_) => {
+                    let tracer = self.tracer.as_ref().ok_or(RecordError::NoRays)?;
+                    if !self.build.host.bounces {
+                        return Err(RecordError::NoBounce);
+                    }
+                    tracer.bounce.pipeline(&self.build, tracer.tier)?;
                 }
                 Step::First => drop(self.first.pipeline(&self.build, traced)?),
                 Step::Metrics => drop(self.metrics.pipeline(&self.build)?),
@@ -558,21 +600,26 @@ impl DeferredAa {
         let lights = self.casting(frame, uniform.camera_position.into())?;
         self.warm_up(&frame.settings, &frame.needs)?;
         self.make_list(&frame.settings)?;
-        self.make_traces(frame)?;
+        self.make_traces(queue, frame)?;
         let sized = self.sized.as_ref().ok_or(RecordError::NoSize)?;
 
         self.frame += 1;
         let offset = self.frame % UNIFORM_SLOTS * UNIFORM_STRIDE;
         queue.write_buffer(&self.uniforms, offset, bytemuck::bytes_of(&uniform));
-        let lights_offset = self.frame % UNIFORM_SLOTS * LIGHTS_STRIDE;
-        if let (Some(lights), Some(buffer)) = (&lights, self.tracer.as_ref().and_then(|t| t.lights.as_ref())) {
-            queue.write_buffer(buffer, lights_offset, bytemuck::bytes_of(lights));
-        }
+        let lights_offset = self.frame % UNIFORM_SLOTS * Samples::COUNT * LIGHTS_STRIDE;
+        let buffer = self.tracer.as_ref().and_then(|t| t.lights.as_ref());
         encoder.clear_buffer(&sized.scratch.statistics, 0, None);
         let mut recorded = Recorded::new(self.frame, frame.settings.technique, size, self.build.m);
         recorded.effort = effort;
         for pass in Self::passes(&frame.settings, &frame.needs) {
             recorded.push(pass.info.name);
+            if let (Step::Trace(samples) | Step::Bounce(samples), Some(lights), Some(buffer)) =
+                (pass.step, lights, buffer)
+            {
+                let uniform = CastingUniform { samples: samples as u32, ..lights };
+                let offset = lights_offset + samples as u64 * LIGHTS_STRIDE;
+                queue.write_buffer(buffer, offset, bytemuck::bytes_of(&uniform));
+            }
             recorded.audited = recorded.audited.or((pass.step == Step::Audit).then_some(audited));
         }
         let collects = frame.statistics || effort.is_some();
@@ -583,7 +630,8 @@ impl DeferredAa {
 
     /// The lights, if the frame traces; checks what it needs for that.
     fn casting(&self, frame: &Frame<'_>, camera: glam::Vec3) -> Result<Option<CastingUniform>, RecordError> {
-        if !Traced::of(&frame.settings, &frame.needs).any() {
+        let traced = Traced::of(&frame.settings, &frame.needs);
+        if !traced.any() {
             return Ok(None);
         }
         let node = self.tracer.as_ref().ok_or(RecordError::NoRays)?.tier;
@@ -594,11 +642,11 @@ impl DeferredAa {
         if scene.camera() != camera {
             return Err(RecordError::RayCamera { scene: scene.camera(), camera });
         }
-        CastingUniform::new(frame.needs.shadows, camera).map(Some)
+        CastingUniform::new(if traced.shadows { frame.needs.shadows } else { &[] }, camera).map(Some)
     }
 
     /// Makes what rays find room in, in the first frame that traces, and binds the frame's scene.
-    fn make_traces(&mut self, frame: &Frame<'_>) -> Result<(), RecordError> {
+    fn make_traces(&mut self, queue: &wgpu::Queue, frame: &Frame<'_>) -> Result<(), RecordError> {
         let traced = Traced::of(&frame.settings, &frame.needs);
         let (Some(tracer), Some(sized), Some(scene)) = (&mut self.tracer, &mut self.sized, frame.needs.rays) else {
             return Ok(());
@@ -610,36 +658,63 @@ impl DeferredAa {
         let lights = tracer.lights.get_or_insert_with(|| {
             device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("daa casting lights"),
-                size: LIGHTS_STRIDE * UNIFORM_SLOTS,
+                size: LIGHTS_STRIDE * UNIFORM_SLOTS * Samples::COUNT,
                 usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
                 mapped_at_creation: false,
             })
         });
-        let made = match &mut sized.traced {
-            Some(made) => made,
-            none => {
-                let bytes = Traces::bytes(size, m);
-                let refused = |why| Err(RecordError::Traces { width: size[0], height: size[1], m, bytes, why });
-                let limits = device.limits();
-                let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
-                if bytes > limit {
-                    return refused(format!("the device binds {limit}"));
+        let bytes = Traces::bytes(size, m);
+        let refused = |why| Err(RecordError::Traces { width: size[0], height: size[1], m, bytes, why });
+        let limits = device.limits();
+        let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+        if bytes > limit {
+            return refused(format!("the device binds {limit}"));
+        }
+        let made = sized.traced.get_or_insert_with(|| SizedTraces {
+            traces: Traces { lights: lights.clone(), shadows: None, secondary: None },
+            bound: None,
+        });
+        let scope = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let added = made.traces.make(device, size, m, traced);
+        if let Some(e) = pipeline::ready(scope.pop()) {
+            sized.traced = None;
+            return refused(e.to_string());
+        }
+        let bouncing = match &mut tracer.bouncing {
+            Some((written, buffer)) => {
+                let words = effects::bouncing(frame.needs.bounces);
+                if *written != words {
+                    queue.write_buffer(buffer, 0, bytemuck::cast_slice(&words));
+                    *written = words;
                 }
-                let scope = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
-                let traces = Traces::new(device, size, m);
-                if let Some(e) = pipeline::ready(scope.pop()) {
-                    return refused(e.to_string());
-                }
-                none.insert(SizedTraces { traces, bound: None })
+                Some(&*buffer)
             }
+            none if traced.secondary => {
+                let words = effects::bouncing(frame.needs.bounces);
+                let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+                    label: Some("daa bouncing materials"),
+                    size: effects::BOUNCING_BYTES,
+                    usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
+                    mapped_at_creation: false,
+                });
+                queue.write_buffer(&buffer, 0, bytemuck::cast_slice(&words));
+                Some(&none.insert((words, buffer)).1)
+            }
+            _ => None,
         };
-        if made.bound.as_ref().is_none_or(|(generation, _)| *generation != scene.generation()) {
-            let group = tracer.trace.bind(device, &sized.scratch, &made.traces, scene, lights);
-            made.bound = Some((scene.generation(), group));
+        if added || made.bound.as_ref().is_none_or(|bound| bound.generation != scene.generation()) {
+            made.bound = Some(BoundTraces {
+                generation: scene.generation(),
+                trace: tracer.trace.bind(device, &sized.scratch, &made.traces, scene),
+                bounce: bouncing.and_then(|b| tracer.bounce.bind(device, &sized.scratch, &made.traces, scene, b)),
+            });
         }
         let layout = &self.build.frame_layouts[traced.index()];
+        let (uniforms, gbuffer) = (&self.uniforms, &sized.scratch.gbuffer);
         sized.frames[traced.index()].get_or_insert_with(|| {
-            bind_frame(device, layout, &self.uniforms, &sized.scratch.gbuffer, Some(&made.traces.shadows))
+            let shadows = made.traces.shadows.as_ref().filter(|_| traced.shadows);
+            let secondary = made.traces.secondary.as_ref().filter(|_| traced.secondary);
+            bind_frame(device, layout, uniforms, gbuffer, [shadows, secondary])
         });
         Ok(())
     }
@@ -738,8 +813,9 @@ impl Recording<'_> {
                 end_of_pass_write_index: Some(end),
             }),
         });
-        // Only those who shade read what was traced.
-        let traced = if pass.step.shades() { self.traced } else { Traced::default() };
+        // Only those who shade the frame's samples read what was traced.
+        let traces = matches!(pass.step, Step::Trace(_) | Step::Bounce(_));
+        let traced = if pass.step.shades() && !traces { self.traced } else { Traced::default() };
         compute.set_bind_group(0, &sized.frames[traced.index()], &[self.offsets[0]]);
         if pass.step.shades() || (matches!(pass.step, Step::Trace(_)) && aa.build.host.solid) {
             if let Some(table) = self.frame.textures.filter(|_| aa.tables.is_some()) {
@@ -751,16 +827,17 @@ impl Recording<'_> {
         }
         let tiles = scratch::tiles(sized.scratch.size);
         let (pipeline, own, [x, y]) = match pass.step {
-            Step::Trace(samples) => {
-                let (Some(tracer), Some(made)) = (&aa.tracer, &sized.traced) else { return };
-                let (Ok(pipeline), Some((_, group))) =
-                    (tracer.trace.pipeline(&aa.build, tracer.tier, samples), &made.bound)
-                else {
-                    return;
+            Step::Trace(samples) | Step::Bounce(samples) => {
+                let Some(tracer) = &aa.tracer else { return };
+                let Some(bound) = sized.traced.as_ref().and_then(|t| t.bound.as_ref()) else { return };
+                let (pipeline, group) = match pass.step {
+                    Step::Bounce(_) => (tracer.bounce.pipeline(&aa.build, tracer.tier), &bound.bounce),
+                    _ => (tracer.trace.pipeline(&aa.build, tracer.tier), &bound.trace),
                 };
+                let (Ok(pipeline), Some(group)) = (pipeline, group) else { return };
                 let [x, y] = Trace::groups(samples, sized.scratch.size, self.audited);
                 compute.set_pipeline(pipeline);
-                compute.set_bind_group(3, group, &[self.offsets[1]]);
+                compute.set_bind_group(3, group, &[self.offsets[1] + samples as u32 * LIGHTS_STRIDE as u32]);
                 return compute.dispatch_workgroups(x, y, 1);
             }
             Step::First => (aa.first.pipeline(&aa.build, traced), &sized.first, tiles),
@@ -884,8 +961,10 @@ fn frame_layout(device: &wgpu::Device, traced: Traced) -> wgpu::BindGroupLayout 
         texture(3, wgpu::TextureSampleType::Uint),
         texture(4, wgpu::TextureSampleType::Uint),
     ];
-    if traced.shadows {
-        entries.push(pipeline::entry::buffer(5, wgpu::ShaderStages::COMPUTE, true));
+    for (binding, has) in [(5, traced.shadows), (6, traced.secondary)] {
+        if has {
+            entries.push(pipeline::entry::buffer(binding, wgpu::ShaderStages::COMPUTE, true));
+        }
     }
     device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("daa frame"), entries: &entries })
 }
@@ -895,7 +974,7 @@ fn bind_frame(
     layout: &wgpu::BindGroupLayout,
     uniforms: &wgpu::Buffer,
     gbuffer: &GBuffer,
-    shadows: Option<&wgpu::Buffer>,
+    traced: [Option<&wgpu::Buffer>; 2],
 ) -> wgpu::BindGroup {
     let view = |binding, view| wgpu::BindGroupEntry { binding, resource: wgpu::BindingResource::TextureView(view) };
     let mut entries = vec![
@@ -912,8 +991,8 @@ fn bind_frame(
         view(3, &gbuffer.color[1]),
         view(4, &gbuffer.color[2]),
     ];
-    if let Some(shadows) = shadows {
-        entries.push(wgpu::BindGroupEntry { binding: 5, resource: shadows.as_entire_binding() });
+    for (binding, buffer) in (5..).zip(traced) {
+        entries.extend(buffer.map(|b| wgpu::BindGroupEntry { binding, resource: b.as_entire_binding() }));
     }
     device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some("daa frame"), layout, entries: &entries })
 }

@@ -17,8 +17,8 @@ pub enum Resource {
     First,
     /// The scene for rays.
     Rays,
-    /// The shadow bits of samples.
-    Shadows,
+    /// The shadow bits of samples, and what they reflect and refract.
+    Traced,
     /// k of each window, from the metrics.
     Counts,
     /// k and the place in the tile's list of each window.

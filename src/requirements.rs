@@ -3,7 +3,7 @@
 use crate::node::Descriptor;
 use crate::rays::{QUERY_FEATURES, RayTier, query_limits};
 use crate::table::{BINDING_FEATURES, MAX_SAMPLERS, TextureTier};
-use crate::trace::Traces;
+use crate::traces::Traces;
 use crate::{gbuffer, scratch};
 
 /// What [`DeferredAa::new`](crate::DeferredAa::new) will ask of a device, and what this adapter can't give.
@@ -31,7 +31,7 @@ pub struct Memory {
     /// All else that the node holds, but for the list of an execution that makes one: on its first frame it adds about 4
     /// bytes a pixel for [`Sorted`](crate::Execution::Sorted) and [`Bucketed`](crate::Execution::Bucketed).
     pub scratch: u64,
-    /// What rays find, once a frame traced: 4 bytes a sample. The scene for rays is the host's:
+    /// What rays find, once a frame traced: 4 bytes a sample for shadows, and 4 for what it reflects and refracts. The scene for rays is the host's:
     /// [`RayScene::bytes`](crate::rays::RayScene::bytes).
     pub rays: u64,
 }
@@ -79,7 +79,7 @@ impl Requirements {
         Memory {
             gbuffer: gbuffer::BYTES_PER_SAMPLE * u64::from(self.m * self.m) * u64::from(width) * u64::from(height),
             scratch: scratch::scratch_bytes([width, height]),
-            rays: if self.rays { Traces::bytes([width, height], self.m) } else { 0 },
+            rays: if self.rays { 2 * Traces::bytes([width, height], self.m) } else { 0 },
         }
     }
 }

@@ -18,6 +18,10 @@ pub struct Settings {
     pub weight: Weight,
     /// Shadow rays towards the lights of [`Needs::shadows`](crate::Needs::shadows).
     pub shadows: Effect,
+    /// Mirrored rays from the materials of [`Needs::bounces`](crate::Needs::bounces).
+    pub reflections: Effect,
+    /// Refracted rays from them.
+    pub refraction: Effect,
     /// What is written to the target.
     pub view: DebugView,
     /// An error or a time to keep to instead of the constants of [`windowed`](Self::windowed) as they stand, which are then

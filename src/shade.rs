@@ -12,10 +12,8 @@ pub(crate) const INFO: PassInfo = PassInfo {
 };
 
 /// Where something was traced.
-pub(crate) const INFO_TRACED: PassInfo = PassInfo {
-    reads: &[Resource::GBuffer, Resource::Host, Resource::First, Resource::Plan, Resource::Shadows],
-    ..INFO
-};
+pub(crate) const INFO_TRACED: PassInfo =
+    PassInfo { reads: &[Resource::GBuffer, Resource::Host, Resource::First, Resource::Plan, Resource::Traced], ..INFO };
 
 /// For `Full`, which has neither first samples nor a plan.
 pub(crate) const INFO_FULL: PassInfo = PassInfo {
@@ -26,7 +24,7 @@ pub(crate) const INFO_FULL: PassInfo = PassInfo {
 
 /// Where something was traced.
 pub(crate) const INFO_FULL_TRACED: PassInfo =
-    PassInfo { reads: &[Resource::GBuffer, Resource::Host, Resource::Shadows], ..INFO_FULL };
+    PassInfo { reads: &[Resource::GBuffer, Resource::Host, Resource::Traced], ..INFO_FULL };
 
 /// The ways to run it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -16,12 +16,14 @@ pub(crate) struct Counters {
     pub overflowed_tiles: u32,
     pub decided: [u32; 6],
     pub shadow_rays: u32,
+    pub reflection_rays: u32,
+    pub refraction_rays: u32,
 }
 
 pub(crate) const COUNTER_BYTES: u64 = size_of::<Counters>() as u64;
 
 /// Most passes of a frame.
-pub(crate) const MAX_PASSES: usize = 11;
+pub(crate) const MAX_PASSES: usize = 14;
 const TIMESTAMP_BYTES: u64 = (MAX_PASSES * 2 * 8) as u64;
 /// Where the timestamps lie in a read-back buffer, aligned as `resolve_query_set` copies want it.
 const TIMESTAMPS_AT: u64 = COUNTER_BYTES.next_multiple_of(8);
@@ -56,6 +58,10 @@ pub struct Statistics {
     pub overflowed_tiles: u32,
     /// Rays towards lights. Modulo 2³².
     pub shadow_rays: u32,
+    /// Mirrored rays.
+    pub reflection_rays: u32,
+    /// Refracted rays.
+    pub refraction_rays: u32,
     /// How far the search for [`Settings::goal`](crate::Settings::goal) had come when this frame's counters arrived.
     pub goal: Option<GoalProgress>,
     /// The passes in order, with their GPU time in milliseconds where the device has timestamps.
@@ -271,6 +277,8 @@ fn read(bytes: &[u8], recorded: &Recorded, nanoseconds_per_tick: Option<f64>) ->
         negative: c.negative,
         overflowed_tiles: c.overflowed_tiles,
         shadow_rays: c.shadow_rays,
+        reflection_rays: c.reflection_rays,
+        refraction_rays: c.refraction_rays,
         goal: None,
         passes: passes.collect(),
     }

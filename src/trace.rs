@@ -1,17 +1,18 @@
-//! trace: rays from the samples that will be shaded.
+//! trace: shadow rays from the samples that will be shaded.
 
 use crate::audit::Audited;
-use crate::effects::{CastingUniform, Traced};
+use crate::effects::Traced;
 use crate::error::PipelineError;
-use crate::pipeline::{Build, Lazy, PassInfo, Resource, entry};
+use crate::pipeline::{Build, Lazy, PassInfo, Resource};
 use crate::rays::{RayScene, RayTier};
 use crate::scratch::{self, Scratch};
+use crate::traces::{self, Traces};
 
 /// Before `first`.
 pub(crate) const INFO_FIRST: PassInfo = PassInfo {
     name: "trace first",
     reads: &[Resource::GBuffer, Resource::Host, Resource::Rays],
-    writes: &[Resource::Shadows, Resource::Statistics],
+    writes: &[Resource::Traced, Resource::Statistics],
 };
 
 /// For `Full`.
@@ -21,7 +22,7 @@ pub(crate) const INFO_FULL: PassInfo = PassInfo { name: "trace", ..INFO_FIRST };
 pub(crate) const INFO: PassInfo = PassInfo {
     name: "trace",
     reads: &[Resource::GBuffer, Resource::Host, Resource::Rays, Resource::Plan],
-    writes: &[Resource::Shadows, Resource::Statistics],
+    writes: &[Resource::Traced, Resource::Statistics],
 };
 
 /// Before `audit`.
@@ -30,8 +31,8 @@ pub(crate) const INFO_AUDITED: PassInfo = PassInfo { name: "trace audited", ..IN
 /// Behind `first`, for `Reconstructed`.
 pub(crate) const INFO_GEOMETRIC: PassInfo = PassInfo {
     name: "trace",
-    reads: &[Resource::GBuffer, Resource::Host, Resource::Rays, Resource::Shadows],
-    writes: &[Resource::Shadows, Resource::Statistics],
+    reads: &[Resource::GBuffer, Resource::Host, Resource::Rays, Resource::Traced],
+    writes: &[Resource::Traced, Resource::Statistics],
 };
 
 /// Which samples.
@@ -45,6 +46,9 @@ pub(crate) enum Samples {
 }
 
 impl Samples {
+    /// How many there are.
+    pub const COUNT: u64 = 5;
+
     pub fn info(self) -> PassInfo {
         match self {
             Self::First => INFO_FIRST,
@@ -59,107 +63,31 @@ impl Samples {
 #[derive(Debug)]
 pub(crate) struct Trace {
     layout: wgpu::BindGroupLayout,
-    pipelines: [Lazy<wgpu::ComputePipeline>; 5],
-}
-
-/// What a size needs once something is traced.
-#[derive(Debug)]
-pub(crate) struct Traces {
-    /// The shadow bits of all samples.
-    pub shadows: wgpu::Buffer,
-}
-
-impl Traces {
-    /// Bytes of the shadow bits.
-    pub fn bytes(size: [u32; 2], m: u32) -> u64 {
-        scratch::plan_bytes(size) * u64::from(m * m)
-    }
-
-    pub fn new(device: &wgpu::Device, size: [u32; 2], m: u32) -> Self {
-        let shadows = device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("daa shadows"),
-            size: Self::bytes(size, m),
-            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
-            mapped_at_creation: false,
-        });
-        Self { shadows }
-    }
+    pipeline: Lazy<wgpu::ComputePipeline>,
 }
 
 impl Trace {
     pub fn new(device: &wgpu::Device, tier: RayTier) -> Self {
-        let compute = wgpu::ShaderStages::COMPUTE;
-        let mut nodes = entry::buffer(0, compute, true);
-        if tier == RayTier::Query {
-            nodes.ty = wgpu::BindingType::AccelerationStructure { vertex_return: false };
-        }
-        let mut lights = entry::buffer(3, compute, true);
-        lights.ty = wgpu::BindingType::Buffer {
-            ty: wgpu::BufferBindingType::Uniform,
-            has_dynamic_offset: true,
-            min_binding_size: wgpu::BufferSize::new(size_of::<CastingUniform>() as u64),
-        };
-        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("daa trace"),
-            entries: &[
-                nodes,
-                entry::buffer(1, compute, true),
-                entry::buffer(2, compute, true),
-                lights,
-                entry::buffer(4, compute, true),
-                entry::buffer(5, compute, false),
-                entry::buffer(6, compute, false),
-            ],
-        });
-        Self { layout, pipelines: Default::default() }
+        Self { layout: traces::layout(device, tier, false), pipeline: Lazy::default() }
     }
 
+    /// `None` if the frame traces no shadows.
     pub fn bind(
         &self,
         device: &wgpu::Device,
         scratch: &Scratch,
         traces: &Traces,
         scene: &RayScene,
-        lights: &wgpu::Buffer,
-    ) -> wgpu::BindGroup {
-        let [nodes, geometry, top] = scene.buffers();
-        let nodes = scene.top_level().map_or(nodes.as_entire_binding(), wgpu::Tlas::as_binding);
-        let size = wgpu::BufferSize::new(size_of::<CastingUniform>() as u64);
-        let lights = wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer: lights, offset: 0, size });
-        let resources = [
-            nodes,
-            geometry.as_entire_binding(),
-            top.as_entire_binding(),
-            lights,
-            scratch.plan.as_entire_binding(),
-            traces.shadows.as_entire_binding(),
-            scratch.statistics.as_entire_binding(),
-        ];
-        let entries: Vec<_> =
-            (0..).zip(resources).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
-        device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("daa trace"),
-            layout: &self.layout,
-            entries: &entries,
-        })
+    ) -> Option<wgpu::BindGroup> {
+        let shadows = traces.shadows.as_ref()?;
+        Some(traces::bind(device, &self.layout, scratch, traces, scene, shadows, None))
     }
 
-    pub fn pipeline(
-        &self,
-        build: &Build,
-        tier: RayTier,
-        samples: Samples,
-    ) -> Result<&wgpu::ComputePipeline, PipelineError> {
-        let entry = match samples {
-            Samples::First => "daa_trace_first",
-            Samples::Full => "daa_trace_full",
-            Samples::Planned => "daa_trace_planned",
-            Samples::Audited => "daa_trace_audited",
-            Samples::Geometric => "daa_trace_geometric",
-        };
-        self.pipelines[samples as usize].get(|| {
-            let source = build.host.join_traced(include_str!("../shaders/trace.wgsl"), tier);
-            build.compute("trace", source, entry, &self.layout, build.host.solid.then(Traced::default))
+    pub fn pipeline(&self, build: &Build, tier: RayTier) -> Result<&wgpu::ComputePipeline, PipelineError> {
+        self.pipeline.get(|| {
+            let source = build.host.join_traced(include_str!("../shaders/trace.wgsl"), tier, false);
+            let host = build.host.solid.then(Traced::default);
+            build.compute("trace", source, "daa_trace_main", &self.layout, host)
         })
     }
 

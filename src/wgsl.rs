@@ -18,6 +18,10 @@ pub(crate) mod chunk {
     pub const EVALUATE: &str = include_str!("../shaders/evaluate.wgsl");
     pub const SHADOWS: &str = include_str!("../shaders/shadows.wgsl");
     pub const SHADOWS_NONE: &str = include_str!("../shaders/shadows_none.wgsl");
+    pub const SECONDARY: &str = include_str!("../shaders/secondary.wgsl");
+    pub const SECONDARY_NONE: &str = include_str!("../shaders/secondary_none.wgsl");
+    pub const SHARED_EXPONENT: &str = include_str!("../shaders/shared_exponent.wgsl");
+    pub const CASTING: &str = include_str!("../shaders/casting.wgsl");
     pub const RAYS: &str = include_str!("../shaders/rays.wgsl");
     pub const RAYS_SOFTWARE: &str = include_str!("../shaders/rays_software.wgsl");
     pub const RAYS_QUERY: &str = include_str!("../shaders/rays_query.wgsl");
@@ -52,12 +56,15 @@ pub(crate) struct HostSource {
     sky: bool,
     /// It says where masked materials are solid.
     pub solid: bool,
+    /// It says what surfaces reflect and refract.
+    pub bounces: bool,
 }
 
 const SHADE: (&str, &str) = ("shade", "fn shade(s: DaaSample) -> vec4f");
 const MATERIAL: (&str, &str) = ("material", "fn material(s: DaaSample) -> DaaMaterial");
 const LIGHT: (&str, &str) = ("light", "fn light(f: DaaSurface, m: DaaMaterial) -> vec4f");
 const SKY: (&str, &str) = ("sky", "fn sky(s: DaaSample) -> vec4f");
+const BOUNCE: (&str, &str) = ("bounce", "fn bounce(s: DaaSample) -> DaaBounce");
 const SOLID: (&str, &str) = ("solid", "fn solid(material: u32, uv: vec2f) -> bool");
 
 /// A type of a hook's signature.
@@ -118,6 +125,8 @@ impl HostSource {
         }
         let split = joined.hook(file, &module)?;
         let sky = joined.signature(file, &module, SKY, &[Type::Struct("DaaSample")], Type::VEC4F)?;
+        let bounces =
+            joined.signature(file, &module, BOUNCE, &[Type::Struct("DaaSample")], Type::Struct("DaaBounce"))?;
         let solid = joined.signature(file, &module, SOLID, &[Type::U32, Type::VEC2F], Type::BOOL)?;
 
         let capabilities = wgpu_naga_bridge::features_to_naga_capabilities(features, wgpu::DownlevelFlags::all());
@@ -131,11 +140,33 @@ impl HostSource {
                 return Err(at(range, ShadingErrorKind::Derivative(what)));
             }
         }
-        Ok(Self { source: source.to_owned(), tier, split, sky, solid })
+        Ok(Self { source: source.to_owned(), tier, split, sky, solid, bounces })
     }
 
     /// A module that shades: the host's source, the contract, what reads and averages samples, and a pass.
     pub fn join(&self, pass: &str, traced: Traced) -> String {
+        let [hook, sky] = self.calls();
+        join(&[
+            directives(self.tier),
+            &self.source,
+            chunk::CONTRACT,
+            chunk::OCTAHEDRAL,
+            table_chunk(self.tier),
+            chunk::SAMPLE,
+            chunk::SHARED_EXPONENT,
+            if traced.shadows { chunk::SHADOWS } else { chunk::SHADOWS_NONE },
+            if traced.secondary { chunk::SECONDARY } else { chunk::SECONDARY_NONE },
+            chunk::MEAN,
+            chunk::STATISTICS,
+            hook,
+            sky,
+            chunk::EVALUATE,
+            pass,
+        ])
+    }
+
+    /// How the crate calls the host's functions.
+    fn calls(&self) -> [&'static str; 2] {
         let hook = if self.split {
             "fn daa_call_hook(s: DaaSample, coverage: f32) -> vec4f { return light(daa_surface(s, coverage), material(s)); }"
         } else {
@@ -146,25 +177,11 @@ impl HostSource {
         } else {
             "fn daa_call_sky(s: DaaSample) -> vec4f { return vec4f(0.0); }"
         };
-        join(&[
-            directives(self.tier),
-            &self.source,
-            chunk::CONTRACT,
-            chunk::OCTAHEDRAL,
-            table_chunk(self.tier),
-            chunk::SAMPLE,
-            if traced.shadows { chunk::SHADOWS } else { chunk::SHADOWS_NONE },
-            chunk::MEAN,
-            chunk::STATISTICS,
-            hook,
-            sky,
-            chunk::EVALUATE,
-            pass,
-        ])
+        [hook, sky]
     }
 
-    /// A module that traces: with the host's source only if that says where materials are solid.
-    pub fn join_traced(&self, pass: &str, tier: RayTier) -> String {
+    /// A module that traces. Without `shades`, with the host's source only if that says where materials are solid.
+    pub fn join_traced(&self, pass: &str, tier: RayTier, shades: bool) -> String {
         let (directive, nodes, traversal) = match tier {
             RayTier::Software => {
                 ("", "@group(3) @binding(0) var<storage, read> daa_ray_nodes: array<vec4u>;", chunk::RAYS_SOFTWARE)
@@ -175,11 +192,14 @@ impl HostSource {
                 chunk::RAYS_QUERY,
             ),
         };
-        let (tables, source, table, solid) = if self.solid {
-            (directives(self.tier), &self.source[..], table_chunk(self.tier), "return solid(material, uv);")
+        let (tables, source, table) = if self.solid || shades {
+            (directives(self.tier), &self.source[..], table_chunk(self.tier))
         } else {
-            ("", "", "", "return true;")
+            ("", "", "")
         };
+        let solid = if self.solid { "return solid(material, uv);" } else { "return true;" };
+        let [hook, sky] = if shades { self.calls() } else { ["", ""] };
+        let bounce = if shades { "fn daa_call_bounce(s: DaaSample) -> DaaBounce { return bounce(s); }" } else { "" };
         join(&[
             directive,
             tables,
@@ -188,14 +208,21 @@ impl HostSource {
             chunk::OCTAHEDRAL,
             table,
             chunk::SAMPLE,
+            chunk::SHARED_EXPONENT,
             chunk::SHADOWS_NONE,
+            chunk::SECONDARY_NONE,
+            chunk::MEAN,
             chunk::STATISTICS,
+            hook,
+            sky,
+            bounce,
             nodes,
             "fn daa_ray_solid(material: u32, uv: vec2f) -> bool {",
             solid,
             "}",
             chunk::RAYS,
             traversal,
+            chunk::CASTING,
             pass,
         ])
     }
@@ -203,7 +230,16 @@ impl HostSource {
 
 /// A module of the crate's own that only reads the G-buffer.
 pub(crate) fn join_plain(pass: &str) -> String {
-    join(&[chunk::CONTRACT, chunk::OCTAHEDRAL, chunk::SAMPLE, chunk::SHADOWS_NONE, chunk::STATISTICS, pass])
+    join(&[
+        chunk::CONTRACT,
+        chunk::OCTAHEDRAL,
+        chunk::SAMPLE,
+        chunk::SHARED_EXPONENT,
+        chunk::SHADOWS_NONE,
+        chunk::SECONDARY_NONE,
+        chunk::STATISTICS,
+        pass,
+    ])
 }
 
 fn join(chunks: &[&str]) -> String {
@@ -367,8 +403,8 @@ fn one_line(text: &str) -> String {
 pub(crate) const BUILTINS: &[&str] = &[
     "RayDesc", "abs", "all", "any", "array", "arrayLength", "atan2", "atomic", "atomicAdd", "atomicLoad", "binding_array",
     "bitcast", "bool", "clamp", "cos", "countOneBits", "cross", "dot", "exp2", "f32", "firstLeadingBit", "fract", "i32", "inverseSqrt", "length", "log2",
-    "mat4x2f", "mat4x4f", "max", "min", "normalize", "pow", "rayQueryConfirmIntersection", "rayQueryGetCandidateIntersection", "rayQueryGetCommittedIntersection",
-    "rayQueryInitialize", "rayQueryProceed", "round", "sampler", "select", "sin", "sqrt", "textureLoad",
+    "mat3x3f", "mat4x2f", "mat4x4f", "max", "min", "normalize", "pow", "rayQueryConfirmIntersection", "rayQueryGetCandidateIntersection", "rayQueryGetCommittedIntersection",
+    "rayQueryInitialize", "rayQueryProceed", "reflect", "refract", "round", "sampler", "select", "sign", "sin", "sqrt", "textureLoad",
     "textureSampleGrad", "textureStore", "texture_2d", "texture_2d_array", "texture_depth_2d", "texture_storage_2d",
     "u32", "unpack2x16float", "unpack2x16snorm", "unpack4x8snorm", "unpack4x8unorm", "vec2f", "vec2i", "vec2u",
     "vec3f", "vec3u", "vec4f", "vec4u", "workgroupBarrier",

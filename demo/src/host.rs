@@ -53,6 +53,8 @@ pub struct Host {
     pub uploaded: GpuScene,
     /// What is fixed.
     pub options: Options,
+    /// Materials that reflect or refract.
+    bouncing: Vec<u32>,
     /// From the first frame that traces.
     pub rays: Option<Rays>,
     raster: Raster,
@@ -216,6 +218,7 @@ impl Host {
         let (target, target_view) = target(device, options.width, options.height);
         let host = Self {
             aa,
+            bouncing: rays::bouncing(&scene),
             scene,
             uploaded,
             options,
@@ -266,7 +269,10 @@ impl Host {
         self.lighting_values.camera = camera.world_from_view.w_axis.truncate().to_array();
         self.write_lighting();
         let shadows = self.casting(settings.shadows);
-        let traces = settings.shadows == Effect::On || !shadows.is_empty();
+        let secondary = [settings.reflections, settings.refraction];
+        let bounces =
+            secondary.contains(&Effect::On) || (!self.bouncing.is_empty() && secondary.contains(&Effect::Auto));
+        let traces = settings.shadows == Effect::On || !shadows.is_empty() || bounces;
         if traces {
             let rays = match &mut self.rays {
                 Some(rays) => rays,
@@ -279,7 +285,7 @@ impl Host {
         }
         let rays = self.rays.as_ref().filter(|_| traces).map(|r| &r.scene);
         let frame = Frame {
-            needs: Needs { rays, shadows: &shadows },
+            needs: Needs { rays, shadows: &shadows, bounces: &self.bouncing },
             camera,
             settings,
             exposure: 1.0,

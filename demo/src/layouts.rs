@@ -40,7 +40,8 @@ fn materials_are_the_shaders() {
         alpha_cutoff,
         textures,
         unlit,
-        padding,
+        transmission,
+        ior,
         transforms,
     });
     for tier in TIERS {

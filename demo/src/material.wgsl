@@ -18,7 +18,9 @@ struct Material {
     /// Indices into the texture table.
     textures: array<u32, 5>,
     unlit: u32,
-    padding: vec2u,
+    transmission: f32,
+    /// 1 for a thin wall.
+    ior: f32,
     /// KHR_texture_transform: two rows for each texture.
     transforms: array<vec4f, 10>,
 }

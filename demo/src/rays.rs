@@ -120,6 +120,19 @@ pub fn casting_lights(scene: &Scene, sun: bool) -> Vec<CastingLight> {
     lights.chain(sun).collect()
 }
 
+/// Materials smooth enough to be traced as mirrors, by perceptual roughness.
+const MIRROR_ROUGHNESS: f32 = 0.2;
+
+/// The materials that reflect as a mirror or let light through. Those whose metal is painted by a texture are left out: their
+/// roughness is not known here.
+pub fn bouncing(scene: &Scene) -> Vec<u32> {
+    let sends = |m: &scene::Material| {
+        let mirror = m.metallic >= 0.5 && m.metallic_roughness_texture.is_none();
+        !m.unlit && m.roughness <= MIRROR_ROUGHNESS && (mirror || m.transmission > 0.0)
+    };
+    (0..).zip(&scene.materials).filter(|(_, m)| sends(m)).map(|(i, _)| i).collect()
+}
+
 /// The sun's bit among the casting lights.
 pub fn sun_bit(scene: &Scene) -> u32 {
     1 << scene.lights.iter().filter(|l| l.casts).count().min(MAX_CASTING_LIGHTS - 1)

@@ -58,7 +58,7 @@ fn material(s: DaaSample) -> DaaMaterial {
     m.metallic = materials[index].metallic;
     m.normal = s.normal;
     m.occlusion = 1.0;
-    m.user0.x = f32(materials[index].unlit);
+    m.user0 = vec4f(f32(materials[index].unlit), materials[index].transmission, materials[index].ior, 0.0);
     if textures[BASE_COLOR] != NO_TEXTURE {
         m.base_color *= material_texture(index, BASE_COLOR, s.uv, s.ddx, s.ddy);
     }
@@ -89,6 +89,29 @@ fn solid(material: u32, uv: vec2f) -> bool {
         alpha *= material_texture(index, BASE_COLOR, uv, vec2f(0.0), vec2f(0.0)).a;
     }
     return alpha >= materials[index].alpha_cutoff;
+}
+
+/// Perceptual roughness up to which metal and glass are mirrors: `MIRROR_ROUGHNESS` of rays.rs.
+const MIRROR_ROUGHNESS: f32 = 0.2;
+
+/// Schlick's share of what is mirrored.
+fn mirrored_share(m: DaaMaterial, n_dot_v: f32) -> vec3f {
+    let f0 = mix(vec3f(0.04), m.base_color.rgb, m.metallic);
+    return f0 + (1.0 - f0) * pow(1.0 - clamp(n_dot_v, 0.0, 1.0), 5.0);
+}
+
+fn bounce(s: DaaSample) -> DaaBounce {
+    let m = material(s);
+    var b: DaaBounce;
+    b.normal = m.normal * inverseSqrt(max(dot(m.normal, m.normal), 1e-12));
+    b.ior = m.user0.z;
+    let smooth_enough = m.roughness <= MIRROR_ROUGHNESS && (m.metallic >= 0.5 || m.user0.y > 0.0);
+    if smooth_enough && m.user0.x < 0.5 {
+        let mirrored = mirrored_share(m, dot(b.normal, s.view));
+        b.reflection = mirrored;
+        b.refraction = (1.0 - mirrored) * (m.user0.y * (1.0 - m.metallic)) * m.base_color.rgb;
+    }
+    return b;
 }
 
 struct Brdf {
@@ -160,7 +183,7 @@ fn light(f: DaaSurface, m: DaaMaterial) -> vec4f {
     // Normals that a map bends away from the eye count as grazing.
     b.n_dot_v = max(dot(b.normal, f.view), 0.001);
     b.f0 = mix(vec3f(0.04), m.base_color.rgb, m.metallic);
-    b.diffuse = m.base_color.rgb * (1.0 - m.metallic);
+    b.diffuse = m.base_color.rgb * ((1.0 - m.metallic) * (1.0 - m.user0.y));
     let roughness = clamp(m.roughness, 0.045, 1.0);
     b.alpha = roughness * roughness;
 
@@ -179,6 +202,11 @@ fn light(f: DaaSurface, m: DaaMaterial) -> vec4f {
     let a004 = min(r.x * r.x, exp2(-9.28 * b.n_dot_v)) * r.x + r.y;
     let specular = blurred * max(b.f0 * (-1.04 * a004 + r.z) + (1.04 * a004 + r.w), vec3f(0.0));
     let hemisphere = mix(lighting.ground.rgb, mix(lighting.horizon.rgb, lighting.zenith.rgb, 0.5), b.normal.y * 0.5 + 0.5);
-    let ambient = (hemisphere * b.diffuse + specular) * m.occlusion;
-    return vec4f(direct + ambient + m.emissive + f.secondary, 1.0);
+    // What rays have brought is not guessed.
+    let ambient = (hemisphere * b.diffuse + select(specular, vec3f(0.0), f.traced != 0u)) * m.occlusion;
+    var through = vec3f(0.0);
+    if f.traced == 0u && m.user0.y > 0.0 {
+        through = sky_radiance(-f.view) * (1.0 - mirrored_share(m, b.n_dot_v)) * (m.user0.y * (1.0 - m.metallic)) * m.base_color.rgb;
+    }
+    return vec4f(direct + ambient + m.emissive + f.secondary + through, 1.0);
 }

@@ -129,7 +129,12 @@ impl Stats {
             stall: host.options.stall,
             adapter: Adapter::of(&host.gpu),
             samples: Samples { shaded: s.shaded, ratio: s.ratio, mean_k: s.mean_k, histogram_k: s.histogram_k.clone() },
-            rays: Rays { shadow: u64::from(s.shadow_rays), reflection: 0, refraction: 0, primary: 0 },
+            rays: Rays {
+                shadow: u64::from(s.shadow_rays),
+                reflection: u64::from(s.reflection_rays),
+                refraction: u64::from(s.refraction_rays),
+                primary: 0,
+            },
             time_ms: times(shots),
             memory_bytes: Memory {
                 gbuffer: memory.gbuffer,

@@ -70,7 +70,8 @@ pub struct GpuMaterial {
     pub(crate) alpha_cutoff: f32,
     pub(crate) textures: [u32; 5],
     pub(crate) unlit: u32,
-    pub(crate) padding: [u32; 2],
+    pub(crate) transmission: f32,
+    pub(crate) ior: f32,
     pub(crate) transforms: [[f32; 4]; 10],
 }
 
@@ -229,7 +230,9 @@ fn gpu_material(m: &Material) -> GpuMaterial {
         alpha_cutoff: m.alpha_cutoff.unwrap_or(0.0),
         textures: refs.map(|r| r.map_or(u32::MAX, |r| r.texture as u32)),
         unlit: u32::from(m.unlit),
-        padding: [0; 2],
+        transmission: m.transmission,
+        // A thin wall bends nothing.
+        ior: if m.volume { m.ior } else { 1.0 },
         transforms,
     }
 }

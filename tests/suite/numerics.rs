@@ -1,6 +1,6 @@
 //! Hard cases, one or more tests each, numbered as in the project's list: on the GPU, and held against the f64 twin.
 
-use crate::harness::{Output, Rig, SHOW_USER, Sample, WHITE, camera, device, noise, rgba8, stored_normal};
+use crate::harness::{Output, Rig, SHOW_USER, Sample, WHITE, camera, noise, rgba8, stored_normal};
 use crate::textures::{SHOW_TEXTURE, Textured, fixed_k, full, level, mip_ruler, single, texture, tiers};
 use deferred_aa::glam::{DVec3, Mat4, Vec2, Vec3, Vec4};
 use deferred_aa::rays::RayTier;
@@ -1149,7 +1149,10 @@ fn row_25_a_camera_inside_geometry_or_beyond_it_still_gives_a_picture() {
         anisotropy: 4,
         rays: RayTier::Software,
     };
-    let mut host = Host::new(device(TextureTier::Arrays), scene, options).unwrap();
+    let adapter = deferred_aa_demo::gpu::choose(std::env::var("WGPU_ADAPTER_NAME").ok().as_deref()).unwrap();
+    let descriptor = deferred_aa_demo::host::descriptor(2, TextureTier::Arrays, RayTier::Software);
+    let gpu = deferred_aa_demo::gpu::Gpu::new(adapter, &descriptor).unwrap();
+    let mut host = Host::new(gpu, scene, options).unwrap();
     let at = |eye: Vec3| deferred_aa_demo::scene::Camera { eye, target: eye + Vec3::NEG_Z, ..own };
     let cameras = [
         // In the tall box, in a wall, at the lamp, the near plane through all, all of it behind the near plane.

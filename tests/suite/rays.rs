@@ -52,6 +52,8 @@ struct GpuHit {
     triangle: u32,
     front: u32,
     barycentrics: [f32; 2],
+    record: u32,
+    corners: u32,
 }
 
 const MISS: u32 = u32::MAX;

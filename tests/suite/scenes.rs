@@ -178,6 +178,11 @@ fn cornell() {
 }
 
 #[test]
+fn mirrors() {
+    builtin_scene("mirrors");
+}
+
+#[test]
 fn shadows() {
     builtin_scene("shadows");
 }
@@ -194,7 +199,10 @@ fn empty() {
 
 #[test]
 fn no_builtin_scene_goes_untested() {
-    assert_eq!(builtin::NAMES, ["atrium", "fence", "checker", "spheres", "cornell", "shadows", "flat", "empty"]);
+    assert_eq!(
+        builtin::NAMES,
+        ["atrium", "fence", "checker", "spheres", "cornell", "shadows", "mirrors", "flat", "empty"]
+    );
 }
 
 // ---- Models made here ----

@@ -406,15 +406,17 @@ fn frames_that_cannot_be_traced_are_refused() {
     };
     let sun = [CastingLight::Directional { towards: Vec3::Y }];
     let (software, here) = (Some(RayTier::Software), placed(RayTier::Software, eye));
-    assert_snapshot!(refused(None, Needs { shadows: &sun, rays: Some(&here) }), @"the frame asks for rays, the node was built without them; set Descriptor::rays");
-    assert_snapshot!(refused(software, Needs { shadows: &sun, rays: None }), @"the frame asks for rays, but has no scene for them; set Needs::rays");
+    assert_snapshot!(refused(None, Needs { shadows: &sun, rays: Some(&here), ..Default::default() }), @"the frame asks for rays, the node was built without them; set Descriptor::rays");
+    assert_snapshot!(refused(software, Needs { shadows: &sun, ..Default::default() }), @"the frame asks for rays, but has no scene for them; set Needs::rays");
     let there = placed(RayTier::Software, eye + 1.0);
-    assert_snapshot!(refused(software, Needs { shadows: &sun, rays: Some(&there) }), @"the scene for rays was updated for a camera at [1, 1, 1], the frame's is at [0, 0, 0]; call RayScene::update with it");
+    assert_snapshot!(refused(software, Needs { shadows: &sun, rays: Some(&there), ..Default::default() }), @"the scene for rays was updated for a camera at [1, 1, 1], the frame's is at [0, 0, 0]; call RayScene::update with it");
     let many = [sun[0]; MAX_CASTING_LIGHTS + 1];
-    assert_snapshot!(refused(software, Needs { shadows: &many, rays: Some(&here) }), @"33 lights cast shadows; 32 can, so leave some out of Needs::shadows");
+    assert_snapshot!(refused(software, Needs { shadows: &many, rays: Some(&here), ..Default::default() }), @"33 lights cast shadows; 32 can, so leave some out of Needs::shadows");
     let nowhere = CastingLight::Punctual { position: vec3(f32::NAN, 0.0, 0.0), range: 1.0, cone: None };
-    assert_snapshot!(refused(software, Needs { shadows: &[sun[0], nowhere], rays: Some(&here) }), @"light 1 of Needs::shadows is not finite, or has no direction");
+    assert_snapshot!(refused(software, Needs { shadows: &[sun[0], nowhere], rays: Some(&here), ..Default::default() }), @"light 1 of Needs::shadows is not finite, or has no direction");
     let flat = CastingLight::Directional { towards: Vec3::ZERO };
-    assert_snapshot!(refused(software, Needs { shadows: &[flat], rays: Some(&here) }), @"light 0 of Needs::shadows is not finite, or has no direction");
+    assert_snapshot!(refused(software, Needs { shadows: &[flat], rays: Some(&here), ..Default::default() }), @"light 0 of Needs::shadows is not finite, or has no direction");
+    let mirrors = Needs { bounces: &[3], rays: Some(&here), ..Default::default() };
+    assert_snapshot!(refused(software, mirrors), @"the frame has materials that reflect or refract, but the host's WGSL has no `fn bounce(s: DaaSample) -> DaaBounce`; write it, or leave Needs::bounces empty");
     assert_eq!(gpu.take_errors(), Vec::<String>::new());
 }

@@ -111,7 +111,7 @@ struct ViewArgs {
 /// What to look at, and at which size: shared by all commands that render.
 #[derive(Debug, Clone, clap::Args)]
 struct SceneArgs {
-    /// A built-in scene (atrium, fence, checker, spheres, cornell, shadows, flat, empty) or a .gltf or .glb file.
+    /// A built-in scene (atrium, fence, checker, spheres, cornell, shadows, mirrors, flat, empty) or a .gltf or .glb file.
     #[arg(long, default_value = "atrium")]
     scene: String,
     /// Which scene of a glTF file that has several, from 0; its default scene if not given.

@@ -5,6 +5,7 @@ mod atrium;
 mod checker;
 mod cornell;
 mod fence;
+mod mirrors;
 mod paint;
 mod shadows;
 mod shape;
@@ -20,7 +21,8 @@ use self::stage::{Stage, perspective};
 use super::{Material, Scene, Sun};
 
 /// The names that [`builtin`] knows; the first is the default scene.
-pub const NAMES: [&str; 8] = ["atrium", "fence", "checker", "spheres", "cornell", "shadows", "flat", "empty"];
+pub const NAMES: [&str; 9] =
+    ["atrium", "fence", "checker", "spheres", "cornell", "shadows", "mirrors", "flat", "empty"];
 
 /// Builds the scene of that name.
 pub fn builtin(name: &str) -> Option<Scene> {
@@ -31,6 +33,7 @@ pub fn builtin(name: &str) -> Option<Scene> {
         "spheres" => spheres::build(),
         "cornell" => cornell::build(),
         "shadows" => shadows::build(),
+        "mirrors" => mirrors::build(),
         "flat" => flat(),
         "empty" => empty(),
         _ => return None,

@@ -96,6 +96,12 @@ pub struct Material {
     pub double_sided: bool,
     /// KHR_materials_unlit: the base colour is the radiance.
     pub unlit: bool,
+    /// KHR_materials_transmission: the share of light that is not reflected but passes through, 0 to 1.
+    pub transmission: f32,
+    /// KHR_materials_ior, at least 1.
+    pub ior: f32,
+    /// KHR_materials_volume: the mesh bounds a body, and light is refracted. Else it is a thin wall.
+    pub volume: bool,
     /// sRGB.
     pub base_color_texture: Option<TextureRef>,
     /// Linear: g roughness, b metallic.

@@ -137,6 +137,13 @@ impl<'a> MaterialTable<'a> {
         let normal_scale = clamp(normal.map_or(1.0, |n| n.scale), "normal scale", -100.0, 100.0, 1.0);
         let occlusion_strength = clamp(occlusion.map_or(1.0, |o| o.strength.0), "occlusion strength", 0.0, 1.0, 1.0);
 
+        let optics = extensions.and_then(|e| e.transmission.as_ref());
+        let transmission = clamp(optics.map_or(0.0, |t| t.transmission_factor.0), "transmission factor", 0.0, 1.0, 0.0);
+        let ior = clamp(extensions.and_then(|e| e.ior.as_ref()).map_or(1.5, |e| e.ior.0), "ior", 1.0, 10.0, 1.5);
+        let thickness = extensions.and_then(|e| e.volume.as_ref()).map_or(0.0, |v| v.thickness_factor.0);
+        if optics.is_some_and(|t| t.transmission_texture.is_some()) {
+            self.notice(format!("{place}: transmission texture ignored, its factor is taken"));
+        }
         let alpha_cutoff = match material.alpha_mode {
             Checked::Valid(AlphaMode::Opaque) => None,
             Checked::Valid(AlphaMode::Mask) => Some(cutoff),
@@ -160,6 +167,9 @@ impl<'a> MaterialTable<'a> {
             alpha_cutoff,
             double_sided: material.double_sided,
             unlit: extensions.is_some_and(|e| e.unlit.is_some()),
+            transmission,
+            ior,
+            volume: thickness > 0.0,
             base_color_texture,
             metallic_roughness_texture,
             normal_texture,

@@ -1,0 +1,110 @@
+// What `trace` and `bounce` share: which samples they work on, and shadow rays. Joined with the rays' chunks.
+
+@group(3) @binding(1) var<storage, read> daa_ray_geometry: array<vec4u>;
+@group(3) @binding(2) var<storage, read> daa_ray_top: array<vec4u>;
+@group(3) @binding(3) var<uniform> daa_casting: DaaCasting;
+@group(3) @binding(4) var<storage, read> daa_plan: array<u32>;
+@group(3) @binding(6) var<storage, read_write> daa_statistics: DaaStatistics;
+
+/// Which samples a dispatch works on: `Samples` of src/trace.rs.
+const DAA_SAMPLES_FIRST: u32 = 0u;
+const DAA_SAMPLES_FULL: u32 = 1u;
+const DAA_SAMPLES_PLANNED: u32 = 2u;
+const DAA_SAMPLES_AUDITED: u32 = 3u;
+const DAA_SAMPLES_GEOMETRIC: u32 = 4u;
+
+/// A light that casts shadows.
+struct DaaCastingLight {
+    /// From the camera; of a directional light the unit vector towards it.
+    position: vec3f,
+    /// 0: infinitely far, in one direction.
+    punctual: u32,
+    /// In which it shines.
+    direction: vec3f,
+    /// Cosine of the angle from there beyond which it is dark; -1: it shines everywhere.
+    cone: f32,
+    /// Beyond, it is dark.
+    range: f32,
+}
+
+struct DaaCasting {
+    count: u32,
+    /// DAA_SAMPLES_*.
+    samples: u32,
+    lights: array<DaaCastingLight, 32>,
+}
+
+/// A pixel, and the ranks from `first` to before `end` of it.
+struct DaaRanks {
+    pixel: vec2u,
+    first: u32,
+    end: u32,
+}
+
+/// None past the edges of the image.
+fn daa_ranks(group: vec2u, lane: u32) -> DaaRanks {
+    var tile = group;
+    if daa_casting.samples == DAA_SAMPLES_AUDITED {
+        tile = daa_audited_tile(group);
+    }
+    let pixel = tile * 8u + vec2u(lane & 7u, lane >> 3u);
+    if any(pixel >= daa_frame.size) {
+        return DaaRanks(pixel, 0u, 0u);
+    }
+    let n = DAA_M * DAA_M;
+    let k = daa_plan[(tile.y * daa_frame.tiles_x + tile.x) * 64u + lane] & 0xffu;
+    switch daa_casting.samples {
+        case DAA_SAMPLES_FIRST: { return DaaRanks(pixel, 0u, 1u); }
+        case DAA_SAMPLES_FULL: { return DaaRanks(pixel, 0u, n); }
+        case DAA_SAMPLES_PLANNED: { return DaaRanks(pixel, 1u, k); }
+        // Those that were not planned.
+        case DAA_SAMPLES_AUDITED: { return DaaRanks(pixel, k, n); }
+        default: { return DaaRanks(pixel, 1u, daa_frame.geometry); }
+    }
+}
+
+/// How far rays start from a surface: 2⁻¹⁶ of its distance, for what the depth buffer and the ray scene round differently.
+/// Coordinates in the world have no part in it: both are relative to the camera.
+fn daa_ray_offset(relative: vec3f) -> f32 {
+    let from_camera = abs(relative);
+    return max(max(from_camera.x, from_camera.y), from_camera.z) * 1.52587890625e-5;
+}
+
+/// Whether light i does not reach a surface, and 1 if a ray was needed to say so.
+fn daa_shadow(i: u32, position: vec3f, normal: vec3f, geometric_normal: vec3f, object: u32) -> vec2u {
+    let light = daa_casting.lights[i];
+    var towards = light.position;
+    if light.punctual != 0u {
+        towards -= position;
+        let squared = dot(towards, towards);
+        // Where it does not shine, nothing keeps it from shining.
+        if squared >= light.range * light.range || squared == 0.0 || dot(towards, light.direction) > -light.cone * sqrt(squared) {
+            return vec2u(0u);
+        }
+    }
+    if dot(normal, towards) <= 0.0 {
+        return vec2u(1u, 0u);
+    }
+    // Where the smooth surface faces the light and its coarse triangle does not, the ray starts inside of the body, and where
+    // it leaves it that does not count: else the triangles would show at the terminator.
+    let inside = dot(geometric_normal, towards) <= 0.0;
+    let origin = position + geometric_normal * select(daa_ray_offset(position), -daa_ray_offset(position), inside);
+    var ray = DaaRay(origin, 0.0, towards, 1e30);
+    if light.punctual != 0u {
+        ray.direction = light.position - origin;
+        // Not the lamp itself.
+        ray.t_max = 0.9998;
+    }
+    let hit = daa_trace(ray, true, select(DAA_MISS, object, inside));
+    return vec2u(u32(hit.instance != DAA_MISS), 1u);
+}
+
+/// The bits of all lights in x, rays in y.
+fn daa_shadows_at(position: vec3f, normal: vec3f, geometric_normal: vec3f, object: u32) -> vec2u {
+    var bits = vec2u(0u);
+    for (var i = 0u; i < daa_casting.count; i++) {
+        let shadow = daa_shadow(i, position, normal, geometric_normal, object);
+        bits += vec2u(shadow.x << i, shadow.y);
+    }
+    return bits;
+}

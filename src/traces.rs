@@ -1,0 +1,107 @@
+//! What a size keeps of rays, and how `trace` and `bounce` bind it.
+
+use crate::effects::{CastingUniform, Traced};
+use crate::pipeline::entry;
+use crate::rays::{RayScene, RayTier};
+use crate::scratch::{self, Scratch};
+
+/// Made when a frame first needs it.
+#[derive(Debug)]
+pub(crate) struct Traces {
+    /// `DaaCasting`, a slot for each frame and each [`Samples`](crate::trace::Samples). The node's.
+    pub lights: wgpu::Buffer,
+    /// The shadow bits of all samples.
+    pub shadows: Option<wgpu::Buffer>,
+    /// What all samples reflect and refract.
+    pub secondary: Option<wgpu::Buffer>,
+}
+
+impl Traces {
+    /// Bytes of either.
+    pub fn bytes(size: [u32; 2], m: u32) -> u64 {
+        scratch::plan_bytes(size) * u64::from(m * m)
+    }
+
+    /// Bytes held.
+    pub fn held(&self) -> u64 {
+        [&self.shadows, &self.secondary].into_iter().flatten().map(wgpu::Buffer::size).sum()
+    }
+
+    /// Makes what is missing. Whether anything was.
+    pub fn make(&mut self, device: &wgpu::Device, size: [u32; 2], m: u32, traced: Traced) -> bool {
+        let buffer = |label| {
+            device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size: Self::bytes(size, m),
+                usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
+                mapped_at_creation: false,
+            })
+        };
+        let [shadows, secondary] =
+            [traced.shadows && self.shadows.is_none(), traced.secondary && self.secondary.is_none()];
+        if shadows {
+            self.shadows = Some(buffer("daa shadows"));
+        }
+        if secondary {
+            self.secondary = Some(buffer("daa secondary"));
+        }
+        shadows || secondary
+    }
+}
+
+/// `@group(3)` of either pass; `bounces`: with the materials that send rays.
+pub(crate) fn layout(device: &wgpu::Device, tier: RayTier, bounces: bool) -> wgpu::BindGroupLayout {
+    let compute = wgpu::ShaderStages::COMPUTE;
+    let mut nodes = entry::buffer(0, compute, true);
+    if tier == RayTier::Query {
+        nodes.ty = wgpu::BindingType::AccelerationStructure { vertex_return: false };
+    }
+    let mut lights = entry::buffer(3, compute, true);
+    lights.ty = wgpu::BindingType::Buffer {
+        ty: wgpu::BufferBindingType::Uniform,
+        has_dynamic_offset: true,
+        min_binding_size: wgpu::BufferSize::new(size_of::<CastingUniform>() as u64),
+    };
+    let mut entries = vec![
+        nodes,
+        entry::buffer(1, compute, true),
+        entry::buffer(2, compute, true),
+        lights,
+        entry::buffer(4, compute, true),
+        entry::buffer(5, compute, false),
+        entry::buffer(6, compute, false),
+    ];
+    if bounces {
+        entries.push(entry::buffer(7, compute, true));
+    }
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("daa rays"), entries: &entries })
+}
+
+/// `found`: what the pass writes.
+pub(crate) fn bind(
+    device: &wgpu::Device,
+    layout: &wgpu::BindGroupLayout,
+    scratch: &Scratch,
+    traces: &Traces,
+    scene: &RayScene,
+    found: &wgpu::Buffer,
+    bouncing: Option<&wgpu::Buffer>,
+) -> wgpu::BindGroup {
+    let [nodes, geometry, top] = scene.buffers();
+    let nodes = scene.top_level().map_or(nodes.as_entire_binding(), wgpu::Tlas::as_binding);
+    let size = wgpu::BufferSize::new(size_of::<CastingUniform>() as u64);
+    let lights = wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer: &traces.lights, offset: 0, size });
+    let resources = [
+        nodes,
+        geometry.as_entire_binding(),
+        top.as_entire_binding(),
+        lights,
+        scratch.plan.as_entire_binding(),
+        found.as_entire_binding(),
+        scratch.statistics.as_entire_binding(),
+    ];
+    let resources = resources.into_iter().chain(bouncing.map(wgpu::Buffer::as_entire_binding));
+    let entries: Vec<_> =
+        (0..).zip(resources).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
+    device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some("daa rays"), layout, entries: &entries })
+}
