@@ -1,11 +1,15 @@
-//! What runs on the CPU: the check of a host's shading at start-up, and the twins of metrics and plan that tests wait for.
+//! What runs on the CPU: the check of a host's shading at start-up, the twins of metrics and plan that tests wait for,
+//! and the two levels of the scene for rays.
 //! `cargo bench --bench cpu`
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use deferred_aa::glam::{Affine3A, Vec3, vec3};
+use deferred_aa::rays::{BottomLevel, Instance, Mesh, RayScene, RayTier};
 use deferred_aa::reference::metrics::Input;
 use deferred_aa::reference::plan;
 use deferred_aa::{DeferredAa, Shading, TextureTier, Windowed, wgpu};
-use deferred_aa_demo::host::SHADING_WGSL;
+use deferred_aa_demo::gpu::{self, Gpu};
+use deferred_aa_demo::host::{self, SHADING_WGSL};
 use std::hint::black_box;
 
 /// SplitMix64, its upper half.
@@ -50,5 +54,46 @@ fn twins(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, shading, twins);
+/// Both levels: triangles once, instances in each frame.
+fn rays(c: &mut Criterion) {
+    let side = 224u32;
+    let at = |i: u32| [(i % side) as f32, noise(u64::from(i)) as f32 / u32::MAX as f32, (i / side) as f32];
+    let positions: Vec<_> = (0..side * side).map(at).collect();
+    let quads = (0..(side - 1) * (side - 1)).map(|i| i / (side - 1) * side + i % (side - 1));
+    let indices: Vec<u32> = quads.flat_map(|i| [i, i + 1, i + side, i + 1, i + side + 1, i + side]).collect();
+    let mesh = Mesh { name: "terrain", positions: &positions, indices: &indices, attributes: &[], masked: false };
+    let mut group = c.benchmark_group("rays");
+    group.sample_size(20);
+    group.throughput(Throughput::Elements(u64::from(indices.len() as u32 / 3)));
+    group.bench_function("bottom level", |b| b.iter(|| BottomLevel::build(black_box(&mesh))));
+
+    let built = BottomLevel::build(&mesh).expect("a sound mesh");
+    let gpu =
+        Gpu::new(gpu::choose(None).expect("an adapter"), &host::descriptor(4, TextureTier::Arrays, RayTier::Software))
+            .expect("a device");
+    let (device, queue) = (&gpu.device, &gpu.queue);
+    let mut scene = RayScene::new(device, RayTier::Software);
+    let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    let mesh = scene.add(device, queue, &mut encoder, &built).expect("room");
+    let mut frame = 0u64;
+    group.throughput(Throughput::Elements(1000));
+    group.bench_function("top level", |b| {
+        b.iter(|| {
+            frame += 1;
+            let place = |i: u64| noise(i * 1000 + frame % 100) as f32 / u32::MAX as f32 * 100.0;
+            let instance = |i| Instance {
+                mesh,
+                world: Affine3A::from_translation(vec3(place(i), place(i + 1), place(i + 2))),
+                material: 0,
+                object: 1,
+                user: 0,
+            };
+            let instances: Vec<_> = (0..1000).map(instance).collect();
+            scene.update(device, queue, &mut encoder, &instances, Vec3::ZERO)
+        });
+    });
+    group.finish();
+}
+
+criterion_group!(benches, shading, twins, rays);
 criterion_main!(benches);

@@ -101,7 +101,8 @@ mod tests {
                 }
             }
             let mut all = order(m);
-            (places.sort_unstable(), all.sort_unstable());
+            places.sort_unstable();
+            all.sort_unstable();
             assert_eq!(places, all, "m = {m}");
         }
         // The paper's Figure 2, in its own turn.

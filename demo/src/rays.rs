@@ -16,6 +16,8 @@ pub struct Rays {
     pub built_in: Duration,
     /// Triangles of all meshes.
     pub triangles: u64,
+    /// Bytes of their nodes and indices, without vertices.
+    pub bytes: u64,
     /// What rays can't meet, a line each.
     pub notices: Vec<String>,
     instances: Vec<rays::Instance>,
@@ -41,7 +43,15 @@ impl Rays {
         }
         queue.submit([encoder.finish()]);
         let triangles = built.iter().map(|mesh| u64::from(mesh.triangles())).sum();
-        Ok(Self { scene: on_gpu, built_in, triangles, notices, instances })
+        let bytes = built.iter().map(BottomLevel::bytes).sum();
+        Ok(Self { scene: on_gpu, built_in, triangles, bytes, notices, instances })
+    }
+
+    /// What was built, in a line.
+    pub fn summary(&self) -> String {
+        let per_triangle = self.bytes as f64 / self.triangles.max(1) as f64;
+        let (triangles, ms) = (self.triangles, self.built_in.as_secs_f64() * 1e3);
+        format!("rays: {triangles} triangles in {ms:.0} ms, {per_triangle:.1} bytes each without vertices")
     }
 
     /// Places the instances for a frame.

@@ -2,6 +2,7 @@
 //! to complain of.
 
 mod api;
+mod bounces;
 mod example;
 mod goals;
 mod harness;

@@ -21,11 +21,11 @@ fn host_on(scene: Scene, m: u32, [width, height]: [u32; 2], rays: RayTier) -> Ho
     Host::new(gpu, scene, options).expect("a host")
 }
 
-fn host(scene: Scene, m: u32, size: [u32; 2]) -> Host {
+pub fn host(scene: Scene, m: u32, size: [u32; 2]) -> Host {
     host_on(scene, m, size, RayTier::Software)
 }
 
-fn full() -> Settings {
+pub fn full() -> Settings {
     Settings { technique: Technique::Full, ..Default::default() }
 }
 
@@ -208,13 +208,13 @@ fn mesh(name: &str, triangles: &[[Vec3; 3]], normal: impl Fn(Vec3) -> Vec3) -> M
 }
 
 /// A square of side 2 around the origin, facing up.
-fn square() -> Mesh {
+pub fn square() -> Mesh {
     let corner = |x, z| vec3(x, 0.0, z);
     let [a, b, c, d] = [corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0), corner(-1.0, -1.0)];
     mesh("square", &[[a, b, c], [a, c, d]], |_| Vec3::Y)
 }
 
-fn scene(meshes: Vec<Mesh>, placed: &[(usize, Mat4)]) -> Scene {
+pub fn scene(meshes: Vec<Mesh>, placed: &[(usize, Mat4)]) -> Scene {
     let instances = placed
         .iter()
         .enumerate()
@@ -228,7 +228,7 @@ fn sun(to_sun: Vec3) -> Option<Sun> {
     Some(Sun { to_sun: to_sun.normalize(), irradiance: Vec3::splat(3.0), casts: true })
 }
 
-fn looking(eye: Vec3, target: Vec3, near: f32) -> Camera {
+pub fn looking(eye: Vec3, target: Vec3, near: f32) -> Camera {
     deferred_aa_demo::raster::look_at(eye, target, 0.7, near)
 }
 

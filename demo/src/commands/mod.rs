@@ -130,6 +130,9 @@ struct SceneArgs {
     /// How textures are reached: arrays (plain WebGPU limits) or bindings (binding arrays).
     #[arg(long, default_value = "arrays")]
     textures: TextureArg,
+    /// Who traces rays: software (WGSL, on any adapter) or query (the adapter's ray query).
+    #[arg(long, default_value = "software")]
+    rays: RayArg,
     /// Of texture reads, 1 to 16.
     #[arg(long, default_value_t = 16)]
     anisotropy: u16,
@@ -145,6 +148,21 @@ struct SceneArgs {
 enum TextureArg {
     Arrays,
     Bindings,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum RayArg {
+    Software,
+    Query,
+}
+
+impl RayArg {
+    fn tier(self) -> RayTier {
+        match self {
+            Self::Software => RayTier::Software,
+            Self::Query => RayTier::Query,
+        }
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -233,7 +251,7 @@ impl ViewArgs {
             textures,
             stall: args.stall,
             anisotropy: args.anisotropy,
-            rays: RayTier::Software,
+            rays: args.rays.tier(),
         };
         let host = Host::new(gpu, scene, options)?;
         note(&host);
@@ -261,7 +279,7 @@ impl SceneArgs {
         std::fs::create_dir_all(&self.out)
             .map_err(|e| wrong("--out", format!("{}: {e}; name a folder that can be made", self.out.display())))?;
         let adapter = gpu::choose(self.adapter.as_deref())?;
-        let gpu = Gpu::new(adapter, &host::descriptor(m, self.textures.tier(), RayTier::Software))?;
+        let gpu = Gpu::new(adapter, &host::descriptor(m, self.textures.tier(), self.rays.tier()))?;
         let own = scene.default_camera();
         let camera = self.camera.map_or(own, |c| look_at(c.eye, c.target, c.fov_y, own.near));
         Ok(Opened { scene, gpu, camera })

@@ -91,6 +91,10 @@ impl Render {
         if let Some(stats) = Stats::new(&host, settings, &shots, quality) {
             write_json(&out.join("stats.json"), &stats)?;
         }
+        if let Some(rays) = &host.rays {
+            eprintln!("{}", rays.summary());
+            rays.notices.iter().for_each(|notice| eprintln!("{notice}"));
+        }
         eprintln!("wrote {}", out.display());
         Ok(())
     }

@@ -54,6 +54,7 @@ impl Report {
             quick: self.quick,
             frames: self.frames.unwrap_or(if self.quick { 3 } else { 5 }).max(1),
             textures: self.view.textures.tier(),
+            rays: self.view.rays.tier(),
             anisotropy: self.view.anisotropy,
             base: set::apply(Settings::default(), &self.settings)?,
             resume: self.resume,

@@ -1,7 +1,7 @@
 //! `tune`: presets that reach given errors with the fewest samples on several scenes.
 
 use super::render::write_json;
-use super::{CameraArg, CommandError, SceneArgs, TextureArg, ViewArgs, parse_camera, parse_size, say};
+use super::{CameraArg, CommandError, RayArg, SceneArgs, TextureArg, ViewArgs, parse_camera, parse_size, say};
 use crate::host::Shot;
 use crate::stats::Spread;
 use crate::tune::subject::{Figures, Subject, SubjectError, full, windowed};
@@ -202,6 +202,7 @@ impl Tune {
             camera,
             stall: 1,
             textures: TextureArg::Arrays,
+            rays: RayArg::Software,
             anisotropy: 16,
             adapter: self.adapter.clone(),
             out: self.out.clone(),

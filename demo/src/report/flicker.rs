@@ -2,7 +2,7 @@
 
 use super::folder::Kind;
 use super::measure::Shooter;
-use super::plan::Planned;
+use super::plan::{self, Planned};
 use super::schema::{self, Temporal, TemporalBase};
 use super::session::Session;
 use super::{ReportError, cost, truth};
@@ -83,7 +83,7 @@ fn motion(
     let mut all = vec![Flicker::new((width * height) as usize); planned.len()];
     for frame in (0..FRAMES).step_by((FRAMES / frames) as usize) {
         let camera = temporal::camera(motion, &session.view, frame, width, height);
-        let truth = truth::render(reference, camera, side, || session.tick())?;
+        let truth = truth::render(reference, camera, side, plan::truth(session.request.base), || session.tick())?;
         for (planned, flicker) in planned.iter().zip(&mut all) {
             let Some(shooter) = shooters.get_mut(&planned.m) else { continue };
             shooter.shoot(planned, camera)?;

@@ -129,6 +129,12 @@ pub fn grid(base: Settings) -> Settings {
     Settings { technique: Technique::Full, weight: Weight::Linear, goal: None, ..base }
 }
 
+/// The truth's: all samples of the scene with the same effects, whatever else is set.
+pub fn truth(base: Settings) -> Settings {
+    let Settings { shadows, reflections, refraction, .. } = base;
+    grid(Settings { shadows, reflections, refraction, ..Settings::default() })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -196,6 +196,7 @@ mod tests {
             quick: true,
             frames: 1,
             textures: TextureTier::Arrays,
+            rays: RayTier::Software,
             anisotropy: 16,
             base: Settings::default(),
             resume: true,

@@ -37,6 +37,8 @@ pub struct Request {
     pub frames: u32,
     /// How textures are reached.
     pub textures: TextureTier,
+    /// Who traces rays.
+    pub rays: RayTier,
     /// Of texture reads, 1 to 16.
     pub anisotropy: u16,
     /// What entries have in common.
@@ -89,6 +91,8 @@ impl Session {
     pub fn new(request: Request, gpu: Gpu, scene: Scene, view: Camera, folder: Folder, parts: Vec<String>) -> Self {
         let mut fingerprint = Fingerprint::of_scene(&scene);
         let adapter = Adapter::of(&gpu);
+        let Settings { shadows, reflections, refraction, .. } = request.base;
+        fingerprint.text(&(shadows, reflections, refraction, request.rays));
         fingerprint.text(&(view, request.width, request.height, request.anisotropy, request.textures, adapter));
         // Hidden where stderr is no terminal.
         let bar = ProgressBar::new_spinner();
@@ -154,12 +158,8 @@ impl Session {
 
     /// A host of a variant of the scene, at another size.
     pub fn host_of(&self, scene: Scene, m: u32, (width, height): (u32, u32)) -> Result<Host, ReportError> {
-        let Request { textures, stall, anisotropy, .. } = self.request;
-        let host = Host::new(
-            self.gpu.clone(),
-            scene,
-            Options { width, height, m, textures, stall, anisotropy, rays: RayTier::Software },
-        )?;
+        let Request { textures, stall, anisotropy, rays, .. } = self.request;
+        let host = Host::new(self.gpu.clone(), scene, Options { width, height, m, textures, stall, anisotropy, rays })?;
         if !self.noted.swap(true, Ordering::Relaxed) {
             host.scene.notices.iter().chain(&host.uploaded.notices).for_each(|notice| self.note(notice));
         }

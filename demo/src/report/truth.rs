@@ -7,7 +7,6 @@ use super::{ReportError, plan};
 use crate::host::{self, Host};
 use crate::picture::{Picture, Rect};
 use crate::raster::crop;
-use deferred_aa::rays::RayTier;
 use deferred_aa::{DeferredAa, Settings};
 use glam::Vec2;
 use std::time::Instant;
@@ -36,7 +35,8 @@ pub fn truth(session: &Session, side: u32) -> Result<(Picture, TruthInfo), Repor
             let start = Instant::now();
             let mut host = session.host(m)?;
             host.set_stall(1);
-            let picture = render(&mut host, session.camera(), side, || session.tick())?;
+            let picture =
+                render(&mut host, session.camera(), side, plan::truth(session.request.base), || session.tick())?;
             let seconds = start.elapsed().as_secs_f64();
             // A cache that can't be written costs time the next time, and nothing now.
             if let Err(e) =
@@ -59,7 +59,7 @@ pub fn largest_m(session: &Session, side: u32, size: (u32, u32)) -> u32 {
 
 /// Whether a host of this m and size is within the device's limits, and not too large to keep the machine usable.
 pub fn fits(session: &Session, m: u32, (width, height): (u32, u32)) -> bool {
-    let descriptor = host::descriptor(m, session.request.textures, RayTier::Software);
+    let descriptor = host::descriptor(m, session.request.textures, session.request.rays);
     let memory = DeferredAa::requirements(&session.gpu.adapter, &descriptor).memory(width, height);
     let longest = u64::from(width.max(height)) * u64::from(m);
     longest <= u64::from(session.gpu.device.limits().max_texture_dimension_2d)
@@ -74,6 +74,7 @@ pub fn render(
     host: &mut Host,
     camera: deferred_aa::Camera,
     side: u32,
+    settings: Settings,
     mut tick: impl FnMut() -> Result<(), ReportError>,
 ) -> Result<Picture, ReportError> {
     let (width, height) = (host.options.width, host.options.height);
@@ -86,9 +87,9 @@ pub fn render(
         let place = Vec2::new((step % steps) as f32, (step / steps) as f32);
         let at = (place + 0.5 - steps as f32 * 0.5) / side as f32;
         let moved = crop(camera, full, at, full);
-        let shot = host.frame_with(moved, plan::grid(Settings::default()))?;
+        let shot = host.frame_with(moved, settings)?;
         let picture = host.picture();
-        refuse_not_finite(host, moved, shot.statistics.not_finite, &picture)?;
+        refuse_not_finite(host, moved, settings, shot.statistics.not_finite, &picture)?;
         for (sum, c) in sum.iter_mut().zip(&picture.rgba) {
             (0..3).for_each(|i| sum[i] += f64::from(c[i]));
         }
@@ -102,6 +103,7 @@ pub fn render(
 fn refuse_not_finite(
     host: &mut Host,
     camera: deferred_aa::Camera,
+    settings: Settings,
     samples: u32,
     picture: &Picture,
 ) -> Result<(), ReportError> {
@@ -114,7 +116,7 @@ fn refuse_not_finite(
     if samples == 0 {
         return Ok(());
     }
-    let pixel = find_not_finite(host, camera, (picture.width, picture.height))?;
+    let pixel = find_not_finite(host, camera, settings, (picture.width, picture.height))?;
     Err(ReportError::NotFinite { what: what(), pixel })
 }
 
@@ -122,13 +124,14 @@ fn refuse_not_finite(
 fn find_not_finite(
     host: &mut Host,
     camera: deferred_aa::Camera,
+    settings: Settings,
     (width, height): (u32, u32),
 ) -> Result<Option<(u32, u32)>, ReportError> {
     let vector = |x: u32, y: u32| Vec2::new(x as f32, y as f32);
     let mut has_one = |r: Rect| {
         host.resize(r.width, r.height)?;
         let part = crop(camera, vector(width, height), vector(r.x, r.y), vector(r.width, r.height));
-        let shot = host.frame_with(part, plan::grid(Settings::default()))?;
+        let shot = host.frame_with(part, settings)?;
         Ok::<_, ReportError>(shot.statistics.not_finite > 0)
     };
     let mut rect = Rect { x: 0, y: 0, width, height };
@@ -160,6 +163,7 @@ mod tests {
     use crate::scene::builtin::builtin;
     use crate::scene::{Light, LightKind, Scene};
     use deferred_aa::TextureTier;
+    use deferred_aa::rays::RayTier;
     use glam::{Mat4, Vec3};
 
     const SIZE: (u32, u32) = (64, 36);
@@ -175,7 +179,7 @@ mod tests {
     fn rendered(m: u32, side: u32) -> Picture {
         let scene = builtin("cornell").unwrap();
         let camera = node_camera(&scene.default_camera(), SIZE.0, SIZE.1);
-        render(&mut host(scene, m), camera, side, || Ok(())).unwrap()
+        render(&mut host(scene, m), camera, side, plan::grid(Settings::default()), || Ok(())).unwrap()
     }
 
     /// The same places by another way: m = 4, and the moves spelled out in clip space.
@@ -226,7 +230,7 @@ mod tests {
         let view_from_world = camera.world_from_view.inverse();
         let seen = camera.clip_from_view.project_point3(view_from_world.transform_point3(place.with_z(0.0)));
         let expected = ((seen.x + 1.0) * 0.5 * SIZE.0 as f32, (1.0 - seen.y) * 0.5 * SIZE.1 as f32);
-        let error = render(&mut host(scene, 4), camera, 8, || Ok(())).unwrap_err();
+        let error = render(&mut host(scene, 4), camera, 8, plan::grid(Settings::default()), || Ok(())).unwrap_err();
         let ReportError::NotFinite { pixel: Some((x, y)), .. } = error else { panic!("{error}") };
         let near = |a: u32, b: f32| (a as f32 + 0.5 - b).abs() < 1.0;
         assert!(near(x, expected.0) && near(y, expected.1), "({x}, {y}) for {expected:?}");
