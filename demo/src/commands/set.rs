@@ -51,8 +51,11 @@ fn paths(tree: &Value, prefix: &str) -> Vec<String> {
 fn meant(path: &str, paths: &[String]) -> String {
     let last = |path: &'_ str| path.rfind('.').map_or(0, |dot| dot + 1);
     let names: Vec<&str> = paths.iter().map(|p| &p[last(p)..]).collect();
-    let found = nearest(&path[last(path)..], &names).and_then(|name| paths.iter().find(|p| &p[last(p)..] == name));
-    found.map_or(String::new(), |p| format!(" did you mean {p}?"))
+    let Some(name) = nearest(&path[last(path)..], &names) else { return String::new() };
+    let found: Vec<&str> = paths.iter().map(String::as_str).filter(|p| p[last(p)..] == *name).collect();
+    // In the group that was meant, if one was.
+    let meant = nearest(path, &found).map_or(found.join(" or "), str::to_owned);
+    format!(" did you mean {meant}?")
 }
 
 #[cfg(test)]
@@ -83,7 +86,10 @@ mod tests {
             ("windowed.depth_scale=-1", "must lie in 0 to"),
             ("windowed.depth_scale=NaN", "invalid type"),
             ("windowed.depths=1", "did you mean windowed.depth? choose centred, depth,"),
-            ("depht_scale=1", "did you mean windowed.depth_scale? choose execution, goal, technique"),
+            (
+                "depht_scale=1",
+                "did you mean reconstructed.depth_scale or windowed.depth_scale? choose execution, goal, reconstructed,",
+            ),
             ("windwed.footprint=1", "no setting 'windwed': did you mean windowed.footprint? choose"),
             ("windwed=1", "did you mean windowed? choose"),
             ("windowed.magic=1", "no setting 'magic': choose centred,"),
