@@ -9,6 +9,7 @@
 //! scene ──raster──► G-buffer (m·w × m·h) ─┬─► first     shade the rank-0 sample of every window → S
 //! `material`, `light` or `shade` (WGSL) ──┤   metrics   what differs inside the window, and between neighbours in S
 //! Settings ───────────────────────────────┤   plan      how many samples of each window, and where
+//! Needs: scene for rays, lights, mirrors ─┤   trace     shadow rays, and bounce: mirrored and refracted ones (before first, too)
 //!                                         │   shade     the host's WGSL on those samples, and their mean
 //!                                         └─► resolve   → target view
 //! ```
