@@ -1,5 +1,5 @@
 // bounce: one mirrored and one refracted ray from samples whose material sends them, what they meet shaded by the host's own hook
-// (WSCG 2012, "SRAA for ray tracing", section 3: secondary rays). Joined with casting.wgsl, rays.wgsl and the chunk of a tier.
+// (the secondary rays of subpixel reconstruction for ray tracing, WSCG 2012, section 3). Joined with casting.wgsl, rays.wgsl and the chunk of a tier.
 
 /// What was found, rank by rank: codes of shared_exponent.wgsl.
 @group(3) @binding(5) var<storage, read_write> daa_secondary: array<u32>;

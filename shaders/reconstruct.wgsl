@@ -1,6 +1,7 @@
 // reconstruct: every geometric sample takes its colour from the shaded samples around it that lie on its surface, by a
-// bilateral filter (Chajdas et al. 2011; with shadow and secondary rays Holländer et al.'s successor, WSCG 2012, "SRAA for
-// ray tracing", section 3). A sample that none of them speaks for is shaded. CPU twin: src/reference/reconstruct.rs.
+// bilateral filter: subpixel reconstruction (Chajdas, McGuire, Luebke 2011, "Subpixel Reconstruction Antialiasing for Deferred
+// Shading") as it was brought to ray tracing, with a gate for shadows (WSCG 2012, section 3). A sample that none of them speaks
+// for is shaded. CPU twin: src/reference/reconstruct.rs.
 
 @group(3) @binding(0) var daa_first: texture_2d<f32>;
 @group(3) @binding(1) var<storage, read_write> daa_plan: array<u32>;

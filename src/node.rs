@@ -34,7 +34,9 @@ use crate::window::MAX_M;
 pub struct Shading<'a> {
     /// WGSL: `fn shade(s: DaaSample) -> vec4f`, or `fn material(s: DaaSample) -> DaaMaterial` and
     /// `fn light(f: DaaSurface, m: DaaMaterial) -> vec4f`, linear radiance and alpha. Optional
-    /// `fn sky(s: DaaSample) -> vec4f` where there is no surface; without it the sky is transparent black. Its resources
+    /// `fn sky(s: DaaSample) -> vec4f` where there is no surface; without it the sky is transparent black. For rays, optional
+    /// `fn bounce(s: DaaSample) -> DaaBounce`, what a surface reflects and refracts, and `fn solid(material: u32, uv: vec2f) ->
+    /// bool`, where a masked mesh stops a ray. Its resources
     /// are bound at [`HOST_GROUP`](crate::HOST_GROUP). `shaders/contract.wgsl` has all that it may use.
     pub source: &'a str,
     /// What errors call it.

@@ -71,7 +71,8 @@ pub enum Technique {
     #[default]
     Windowed,
     /// One shaded sample a window; the other, geometric ones take the colours of shaded samples around them that lie on
-    /// their surface and in the same shadow ("SRAA for ray tracing", WSCG 2012). A sample that none speaks for is shaded.
+    /// their surface and in the same shadow (subpixel reconstruction, Chajdas, McGuire, Luebke 2011, as brought to ray tracing at
+    /// WSCG 2012). A sample that none speaks for is shaded.
     Reconstructed,
 }
 
