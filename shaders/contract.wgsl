@@ -83,6 +83,7 @@ const DAA_FLAG_OWN_FIRST: u32 = 2048u;
 const DAA_FLAG_TRACE_ALL: u32 = 4096u;
 const DAA_FLAG_REFLECTIONS: u32 = 8192u;
 const DAA_FLAG_REFRACTIONS: u32 = 16384u;
+const DAA_FLAG_SECONDARY_APART: u32 = 32768u;
 
 /// One sample of the G-buffer, as `material`, `shade` and `sky` see it.
 struct DaaSample {
@@ -113,11 +114,11 @@ struct DaaSample {
     ddy: vec2f,
     /// The output pixel.
     pixel: vec2u,
-    /// Radiance from reflection and refraction rays.
+    /// Radiance from reflection and refraction rays, to be added as it is. 0 where the crate adds it to every sample itself.
     secondary: vec3f,
     /// The sample's place in the order of its window.
     rank: u32,
-    /// 1 if `secondary` was traced; 0 if the host had better stand in for it.
+    /// 1 if reflections and refractions were traced; 0 if the host had better stand in for them.
     traced: u32,
 }
 
@@ -141,13 +142,13 @@ struct DaaSurface {
     normal: vec3f,
     /// Bit i set: light i does not reach the surface.
     shadow: u32,
-    /// Radiance from reflection and refraction rays.
+    /// Radiance from reflection and refraction rays, to be added as it is. 0 where the crate adds it to every sample itself.
     secondary: vec3f,
     /// Its share of the window, above 0, at most 1.
     coverage: f32,
     /// The output pixel.
     pixel: vec2u,
-    /// 1 if `secondary` was traced; 0 if the host had better stand in for it.
+    /// 1 if reflections and refractions were traced; 0 if the host had better stand in for them.
     traced: u32,
 }
 

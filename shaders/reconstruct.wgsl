@@ -110,6 +110,14 @@ fn daa_contrast_samples(pixel: vec2u, own: DaaGeometry, own_color: vec4f) -> u32
     return u32(clamp(round(daa_frame.reconstruct_contrast * range), 1.0, f32(daa_frame.geometry)));
 }
 
+/// What a geometric sample reflects and refracts, if that is not in the shaded colours: it has its own, and needs no filter.
+fn daa_secondary_of(pixel: vec2u, rank: u32) -> vec4f {
+    if !daa_flag(DAA_FLAG_SECONDARY_APART) {
+        return vec4f(0.0);
+    }
+    return vec4f(daa_radiance_decode(daa_secondary_code(pixel, rank)), 0.0);
+}
+
 @compute @workgroup_size(8, 8)
 fn daa_reconstruct_main(
     @builtin(global_invocation_id) id: vec3u,
@@ -127,6 +135,7 @@ fn daa_reconstruct_main(
     let k = daa_contrast_samples(id.xy, own, own_color);
     var own_mean = daa_weighted(DaaMean(), own_color);
     var on_own = 0.0;
+    var secondary_on_own = vec4f(0.0);
     var others = DaaMean();
     var shaded = 1u;
     for (var rank = 0u; rank < daa_frame.geometry; rank++) {
@@ -145,16 +154,18 @@ fn daa_reconstruct_main(
         } else if around.weight >= daa_frame.reconstruct_least {
             c = around.sum / around.weight;
         }
+        let secondary = daa_secondary_of(id.xy, rank);
         if agrees {
             on_own += 1.0;
+            secondary_on_own += secondary;
         } else {
-            others = daa_weighted(others, c);
+            others = daa_weighted(others, c + secondary);
         }
         if agrees && shades {
             own_mean = daa_weighted(own_mean, c);
         }
     }
-    let all_own = daa_weighted(DaaMean(), daa_mean_finish(own_mean));
+    let all_own = daa_weighted(DaaMean(), daa_mean_finish(own_mean) + secondary_on_own / max(on_own, 1.0));
     let mean = DaaMean(others.sum + all_own.sum * on_own, others.weight + all_own.weight * on_own);
     textureStore(daa_color, id.xy, daa_mean_finish(mean));
     daa_plan[(tile.y * daa_frame.tiles_x + tile.x) * 64u + lane] = shaded;

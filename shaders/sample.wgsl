@@ -68,7 +68,8 @@ fn daa_fetch(pixel: vec2u, rank: u32, footprint: f32, offset: vec2f) -> DaaSampl
     s.ddy = ddy * footprint;
     s.shadow = daa_shadow_bits(pixel, rank);
     let code = daa_secondary_code(pixel, rank);
-    s.secondary = daa_radiance_decode(code);
+    let apart = (daa_frame.flags & DAA_FLAG_SECONDARY_APART) != 0u;
+    s.secondary = select(daa_radiance_decode(code), vec3f(0.0), apart);
     s.traced = u32(code != 0u);
     return s;
 }

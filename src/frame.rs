@@ -111,6 +111,7 @@ pub(crate) mod flag {
     pub const TRACE_ALL: u32 = 4096;
     pub const REFLECTIONS: u32 = 8192;
     pub const REFRACTIONS: u32 = 16384;
+    pub const SECONDARY_APART: u32 = 32768;
 }
 
 impl FrameUniform {
@@ -137,6 +138,7 @@ impl FrameUniform {
             (r.cut_shadow, flag::CUT_SHADOW),
             (r.own_first, flag::OWN_FIRST),
             (r.trace_all, flag::TRACE_ALL),
+            (frame.settings.technique == Technique::Reconstructed && r.secondary_apart, flag::SECONDARY_APART),
             (frame.settings.reflections != Effect::Off, flag::REFLECTIONS),
             (frame.settings.refraction != Effect::Off, flag::REFRACTIONS),
         ];

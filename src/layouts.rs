@@ -165,6 +165,7 @@ fn flags_are_the_shaders() {
         ("TRACE_ALL", flag::TRACE_ALL),
         ("REFLECTIONS", flag::REFLECTIONS),
         ("REFRACTIONS", flag::REFRACTIONS),
+        ("SECONDARY_APART", flag::SECONDARY_APART),
         ("WEIGHT_LUMINANCE", flag::WEIGHT_LUMINANCE),
         ("FULL", flag::FULL),
         ("PLANNED", flag::PLANNED),

@@ -97,6 +97,9 @@ pub struct Reconstructed {
     /// A sample that lies on the surface of its window's own shaded one has its colour. Off: the mean over all nine windows, as
     /// in the paper, which blurs texture.
     pub own_first: bool,
+    /// Reflections and refractions are left out of the filter, and every geometric sample has those that it traced. The paper filters
+    /// them by the geometry at their own hits. Off: they are filtered with all else, as in the original for deferred shading.
+    pub secondary_apart: bool,
     /// The geometric samples are m on a rotated grid, at m = 4, 6 and 8: the paper's 4. Off: all n. Fewer: less to trace, coarser
     /// edges.
     pub rotated_grid: bool,
@@ -125,6 +128,7 @@ impl Reconstructed {
         cut_identity: false,
         cut_shadow: true,
         own_first: false,
+        secondary_apart: true,
         rotated_grid: true,
         least_weight: 1e-3,
         contrast_scale: 0.0,
@@ -148,6 +152,7 @@ impl Default for Reconstructed {
             cut_identity: true,
             cut_shadow: true,
             own_first: true,
+            secondary_apart: true,
             rotated_grid: false,
             least_weight: 1.0,
             contrast_scale: 94.0,

@@ -4,7 +4,7 @@ use crate::shadows::{full, host, looking, scene, square};
 use bytemuck::pod_collect_to_vec;
 use deferred_aa::glam::{Mat4, Vec3, Vec4, vec3};
 use deferred_aa::{Effect, Reconstructed, Settings, Technique};
-use deferred_aa_demo::quality::psnr;
+use deferred_aa_demo::quality::{edge_psnr, psnr};
 use deferred_aa_demo::scene::{Instance, Material, Scene, builtin};
 
 /// Glowing in one colour, black else.
@@ -142,4 +142,29 @@ fn bounces_are_traced_where_materials_send_them() {
     let codes: Vec<u32> =
         pod_collect_to_vec(&mirror.gpu.read_buffer(mirror.aa.intermediates().unwrap().secondary.unwrap()));
     assert!(codes.iter().any(|&c| c != 0));
+}
+
+/// What geometric samples reflect and refract themselves is better than the filtered colour of all.
+#[test]
+fn reflections_are_reconstructed_apart() {
+    let scene = builtin::builtin("mirrors").unwrap();
+    let camera = scene.default_camera();
+    let mut host = host(scene, 4, [128, 72]);
+    host.frame(&camera, full()).unwrap();
+    let reference = host.picture();
+    let passed = host.aa.intermediates().unwrap();
+    let codes: Vec<u32> = pod_collect_to_vec(&host.gpu.read_buffer(passed.secondary.unwrap()));
+    let slots = (passed.tiles[0] * passed.tiles[1] * 64) as usize;
+    let pixels: Vec<_> = (0..72).flat_map(|y| (0..128).map(move |x| (x, y))).collect();
+    let traced = |&(x, y): &(u32, u32)| (0..16).any(|rank| codes[rank * slots + passed.plan_index(x, y)] != 0);
+    let mask: Vec<bool> = pixels.iter().map(traced).collect();
+    assert!(mask.iter().filter(|&&m| m).count() > 2000);
+    let mut on_mirrors = |secondary_apart| {
+        let reconstructed = Reconstructed { secondary_apart, ..Default::default() };
+        let settings = Settings { technique: Technique::Reconstructed, reconstructed, ..Default::default() };
+        host.frame(&camera, settings).unwrap();
+        edge_psnr(&host.picture(), &reference, &mask).unwrap().unwrap()
+    };
+    let (apart, as_one) = (on_mirrors(true), on_mirrors(false));
+    assert!(apart >= 38.0 && apart > as_one, "{apart} dB apart, {as_one} dB as one");
 }
