@@ -121,10 +121,10 @@ fn numbers_out_of_range() {
 
 #[test]
 fn techniques_and_settings() {
-    refused(&["--technique", "magic"], &["no technique 'magic': choose full, single or windowed"]);
+    refused(&["--technique", "magic"], &["no technique 'magic': choose full, single, windowed or reconstructed"]);
     refused(
         &["--technique", "windwed"],
-        &["no technique 'windwed': did you mean windowed? choose full, single or windowed"],
+        &["no technique 'windwed': did you mean windowed? choose full, single, windowed or reconstructed"],
     );
     refused(&["--preset", "fsat"], &["no preset 'fsat': did you mean fast? choose fast, balanced or quality"]);
     refused(&["--textures", "none"], &["'none'", "arrays"]);
@@ -237,9 +237,13 @@ fn assert_stats(stats: &Value, technique: &str) {
     assert_eq!(histogram.iter().sum::<u64>(), 32 * 18);
     assert_eq!((1..).zip(&histogram).map(|(k, windows)| k * windows).sum::<u64>(), shaded);
     assert!((ratio - shaded as f64 / (4.0 * 32.0 * 18.0)).abs() < 1e-9 && (mean_k - 4.0 * ratio).abs() < 1e-9);
-    for kind in ["shadow", "reflection", "refraction", "primary"] {
+    // Its lamp casts shadows; nothing in it mirrors.
+    let shadow = place("rays.shadow").as_u64().unwrap();
+    assert!(shadow > 0 && shadow <= shaded, "{shadow}");
+    for kind in ["reflection", "refraction", "primary"] {
         assert_eq!(place("rays")[kind], 0, "{kind}");
     }
+    assert!(place("memory_bytes.rays").as_u64().unwrap() > 0);
     for part in ["gbuffer", "scratch", "rays"] {
         assert!(place("memory_bytes")[part].is_u64(), "{part}");
     }
@@ -250,9 +254,9 @@ fn assert_stats(stats: &Value, technique: &str) {
     place("quality.truth");
     let passes: Vec<&str> = place("passes").as_array().unwrap().iter().map(|v| v.as_str().unwrap()).collect();
     let expected: &[&str] = match technique {
-        "single" => &["first", "resolve"],
-        "full" => &["shade", "resolve"],
-        _ => &["first", "metrics", "plan", "list", "shade", "resolve"],
+        "single" => &["trace first", "first", "resolve"],
+        "full" => &["trace", "shade", "resolve"],
+        _ => &["trace first", "first", "metrics", "plan", "trace", "list", "shade", "resolve"],
     };
     assert_eq!(passes, expected);
     let times = place("time_ms").as_object().unwrap();
