@@ -6,7 +6,7 @@
 @group(3) @binding(4) var<storage, read> daa_plan: array<u32>;
 @group(3) @binding(6) var<storage, read_write> daa_statistics: DaaStatistics;
 
-/// Which samples a dispatch works on: `Samples` of src/trace.rs.
+/// Which samples a dispatch works on: `Samples` of src/traces.rs.
 const DAA_SAMPLES_FIRST: u32 = 0u;
 const DAA_SAMPLES_FULL: u32 = 1u;
 const DAA_SAMPLES_PLANNED: u32 = 2u;

@@ -5,8 +5,7 @@ use crate::error::PipelineError;
 use crate::pipeline::{Build, Lazy, PassInfo};
 use crate::rays::{RayScene, RayTier};
 use crate::scratch::Scratch;
-use crate::trace::Samples;
-use crate::traces::{self, Traces};
+use crate::traces::{self, Samples, Traces};
 
 /// What it reads and writes is what `trace` does for the same samples.
 pub(crate) fn info(samples: Samples) -> PassInfo {

@@ -23,8 +23,8 @@ use crate::settings::{DebugView, Execution, Goal, Settings, Technique};
 use crate::shade::{self, Shade, Variant};
 use crate::statistics::{Collector, MAX_PASSES, Recorded, Statistics};
 use crate::table::{TableTexture, Tables, TextureTable, TextureTier};
-use crate::trace::{Samples, Trace};
-use crate::traces::Traces;
+use crate::trace::Trace;
+use crate::traces::{Samples, Traces};
 use crate::view::{self, View};
 use crate::wgsl::{self, HostSource};
 use crate::window::MAX_M;
@@ -837,7 +837,10 @@ impl Recording<'_> {
                     _ => (tracer.trace.pipeline(&aa.build, tracer.tier), &bound.trace),
                 };
                 let (Ok(pipeline), Some(group)) = (pipeline, group) else { return };
-                let [x, y] = Trace::groups(samples, sized.scratch.size, self.audited);
+                let [x, y] = match samples {
+                    Samples::Audited => Audit::groups(self.audited, sized.scratch.size),
+                    _ => tiles,
+                };
                 compute.set_pipeline(pipeline);
                 compute.set_bind_group(3, group, &[self.offsets[1] + samples as u32 * LIGHTS_STRIDE as u32]);
                 return compute.dispatch_workgroups(x, y, 1);

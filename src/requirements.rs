@@ -31,8 +31,8 @@ pub struct Memory {
     /// All else that the node holds, but for the list of an execution that makes one: on its first frame it adds about 4
     /// bytes a pixel for [`Sorted`](crate::Execution::Sorted) and [`Bucketed`](crate::Execution::Bucketed).
     pub scratch: u64,
-    /// What rays find, once a frame traced: 4 bytes a sample for shadows, and 4 for what it reflects and refracts. The scene for rays is the host's:
-    /// [`RayScene::bytes`](crate::rays::RayScene::bytes).
+    /// What rays find, once a frame traced: 4 bytes a sample for shadows, and 4 for what it reflects and refracts. The scene for
+    /// rays is the host's: [`RayScene::bytes`](crate::rays::RayScene::bytes).
     pub rays: u64,
 }
 

@@ -1,64 +1,11 @@
 //! trace: shadow rays from the samples that will be shaded.
 
-use crate::audit::Audited;
 use crate::effects::Traced;
 use crate::error::PipelineError;
-use crate::pipeline::{Build, Lazy, PassInfo, Resource};
+use crate::pipeline::{Build, Lazy};
 use crate::rays::{RayScene, RayTier};
-use crate::scratch::{self, Scratch};
+use crate::scratch::Scratch;
 use crate::traces::{self, Traces};
-
-/// Before `first`.
-pub(crate) const INFO_FIRST: PassInfo = PassInfo {
-    name: "trace first",
-    reads: &[Resource::GBuffer, Resource::Host, Resource::Rays],
-    writes: &[Resource::Traced, Resource::Statistics],
-};
-
-/// For `Full`.
-pub(crate) const INFO_FULL: PassInfo = PassInfo { name: "trace", ..INFO_FIRST };
-
-/// Behind the plan.
-pub(crate) const INFO: PassInfo = PassInfo {
-    name: "trace",
-    reads: &[Resource::GBuffer, Resource::Host, Resource::Rays, Resource::Plan],
-    writes: &[Resource::Traced, Resource::Statistics],
-};
-
-/// Before `audit`.
-pub(crate) const INFO_AUDITED: PassInfo = PassInfo { name: "trace audited", ..INFO };
-
-/// Behind `first`, for `Reconstructed`.
-pub(crate) const INFO_GEOMETRIC: PassInfo = PassInfo {
-    name: "trace",
-    reads: &[Resource::GBuffer, Resource::Host, Resource::Rays, Resource::Traced],
-    writes: &[Resource::Traced, Resource::Statistics],
-};
-
-/// Which samples.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Samples {
-    First,
-    Full,
-    Planned,
-    Audited,
-    Geometric,
-}
-
-impl Samples {
-    /// How many there are.
-    pub const COUNT: u64 = 5;
-
-    pub fn info(self) -> PassInfo {
-        match self {
-            Self::First => INFO_FIRST,
-            Self::Full => INFO_FULL,
-            Self::Planned => INFO,
-            Self::Audited => INFO_AUDITED,
-            Self::Geometric => INFO_GEOMETRIC,
-        }
-    }
-}
 
 #[derive(Debug)]
 pub(crate) struct Trace {
@@ -89,13 +36,5 @@ impl Trace {
             let host = build.host.solid.then(Traced::default);
             build.compute("trace", source, "daa_trace_main", &self.layout, host)
         })
-    }
-
-    /// Workgroups of a dispatch.
-    pub fn groups(samples: Samples, size: [u32; 2], audited: Audited) -> [u32; 2] {
-        match samples {
-            Samples::Audited => crate::audit::Audit::groups(audited, size),
-            _ => scratch::tiles(size),
-        }
     }
 }

@@ -1,14 +1,66 @@
-//! What a size keeps of rays, and how `trace` and `bounce` bind it.
+//! What `trace` and `bounce` share: which samples they work on, what a size keeps of rays, and how it is bound.
 
 use crate::effects::{CastingUniform, Traced};
-use crate::pipeline::entry;
+use crate::pipeline::{PassInfo, Resource, entry};
 use crate::rays::{RayScene, RayTier};
 use crate::scratch::{self, Scratch};
+
+/// Before `first`.
+pub(crate) const INFO_FIRST: PassInfo = PassInfo {
+    name: "trace first",
+    reads: &[Resource::GBuffer, Resource::Host, Resource::Rays],
+    writes: &[Resource::Traced, Resource::Statistics],
+};
+
+/// For `Full`.
+pub(crate) const INFO_FULL: PassInfo = PassInfo { name: "trace", ..INFO_FIRST };
+
+/// Behind the plan.
+pub(crate) const INFO: PassInfo = PassInfo {
+    name: "trace",
+    reads: &[Resource::GBuffer, Resource::Host, Resource::Rays, Resource::Plan],
+    writes: &[Resource::Traced, Resource::Statistics],
+};
+
+/// Before `audit`.
+pub(crate) const INFO_AUDITED: PassInfo = PassInfo { name: "trace audited", ..INFO };
+
+/// Behind `first`, for `Reconstructed`.
+pub(crate) const INFO_GEOMETRIC: PassInfo = PassInfo {
+    name: "trace",
+    reads: &[Resource::GBuffer, Resource::Host, Resource::Rays, Resource::Traced],
+    writes: &[Resource::Traced, Resource::Statistics],
+};
+
+/// Which samples.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Samples {
+    First,
+    Full,
+    Planned,
+    Audited,
+    Geometric,
+}
+
+impl Samples {
+    /// How many there are.
+    pub const COUNT: u64 = 5;
+
+    pub fn info(self) -> PassInfo {
+        match self {
+            Self::First => INFO_FIRST,
+            Self::Full => INFO_FULL,
+            Self::Planned => INFO,
+            Self::Audited => INFO_AUDITED,
+            Self::Geometric => INFO_GEOMETRIC,
+        }
+    }
+}
 
 /// Made when a frame first needs it.
 #[derive(Debug)]
 pub(crate) struct Traces {
-    /// `DaaCasting`, a slot for each frame and each [`Samples`](crate::trace::Samples). The node's.
+    /// `DaaCasting`, a slot for each frame and each [`Samples`]. The node's.
     pub lights: wgpu::Buffer,
     /// The shadow bits of all samples.
     pub shadows: Option<wgpu::Buffer>,
