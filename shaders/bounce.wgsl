@@ -4,7 +4,7 @@
 /// What was found, rank by rank: codes of shared_exponent.wgsl.
 @group(3) @binding(5) var<storage, read_write> daa_secondary: array<u32>;
 /// A bit for each material: it sends rays.
-@group(3) @binding(7) var<storage, read> daa_bouncing: array<u32>;
+@group(3) @binding(8) var<storage, read> daa_bouncing: array<u32>;
 
 /// Surfaces of its own object that a refracted ray passes, at most.
 const DAA_MAX_PASSAGES: u32 = 4u;
@@ -134,12 +134,11 @@ var<workgroup> daa_group_rays: array<vec2u, 64>;
 
 @compute @workgroup_size(64)
 fn daa_bounce_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
-    let ranks = daa_ranks(group.xy, lane);
+    let ranks = daa_ranks(group.xy, lane, DAA_TILES_BOUNCE);
     var rays = vec2u(0u);
     for (var rank = ranks.first; rank < ranks.end; rank++) {
         let at = daa_sample_index(ranks.pixel, rank);
         let material = textureLoad(daa_gbuffer_surface, ranks.pixel * DAA_M + daa_order(rank), 0).y & 0xffffu;
-        daa_secondary[at] = 0u;
         if (daa_bouncing[material >> 5u] & (1u << (material & 31u))) == 0u {
             continue;
         }

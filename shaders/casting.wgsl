@@ -5,6 +5,8 @@
 @group(3) @binding(3) var<uniform> daa_casting: DaaCasting;
 @group(3) @binding(4) var<storage, read> daa_plan: array<u32>;
 @group(3) @binding(6) var<storage, read_write> daa_statistics: DaaStatistics;
+/// `DaaTileLists` of classify.wgsl, word by word: two classes of four words, then the tiles of either.
+@group(3) @binding(7) var<storage, read> daa_tile_lists: array<u32>;
 
 /// Which samples a dispatch works on: `Samples` of src/traces.rs.
 const DAA_SAMPLES_FIRST: u32 = 0u;
@@ -34,6 +36,10 @@ struct DaaCasting {
     lights: array<DaaCastingLight, 32>,
 }
 
+/// Classes of tiles: `TileClass` of src/traces.rs.
+const DAA_TILES_SURFACE: u32 = 0u;
+const DAA_TILES_BOUNCE: u32 = 1u;
+
 /// A pixel, and the ranks from `first` to before `end` of it.
 struct DaaRanks {
     pixel: vec2u,
@@ -41,11 +47,19 @@ struct DaaRanks {
     end: u32,
 }
 
-/// None past the edges of the image.
-fn daa_ranks(group: vec2u, lane: u32) -> DaaRanks {
+/// None past the edges of the image, nor past the end of the list of the tiles of this kind.
+fn daa_ranks(group: vec2u, lane: u32, kind: u32) -> DaaRanks {
     var tile = group;
     if daa_casting.samples == DAA_SAMPLES_AUDITED {
         tile = daa_audited_tile(group);
+    } else {
+        let place = group.y * daa_tile_lists[kind * 4u + 1u] + group.x;
+        if place >= daa_tile_lists[kind * 4u] {
+            return DaaRanks(vec2u(0u), 0u, 0u);
+        }
+        let all_tiles = daa_frame.tiles_x * ((daa_frame.size.y + 7u) / 8u);
+        let listed = daa_tile_lists[8u + kind * all_tiles + place];
+        tile = vec2u(listed % daa_frame.tiles_x, listed / daa_frame.tiles_x);
     }
     let pixel = tile * 8u + vec2u(lane & 7u, lane >> 3u);
     if any(pixel >= daa_frame.size) {
@@ -64,10 +78,12 @@ fn daa_ranks(group: vec2u, lane: u32) -> DaaRanks {
 }
 
 /// How far rays start from a surface: 2⁻¹⁶ of its distance, for what the depth buffer and the ray scene round differently.
-/// Coordinates in the world have no part in it: both are relative to the camera.
+/// Coordinates in the world have no part in it, as both are relative to the camera; those of a mesh's own space do, where they
+/// are much larger (`RayScene::least_offset`).
 fn daa_ray_offset(relative: vec3f) -> f32 {
     let from_camera = abs(relative);
-    return max(max(from_camera.x, from_camera.y), from_camera.z) * 1.52587890625e-5;
+    let by_distance = max(max(from_camera.x, from_camera.y), from_camera.z) * 1.52587890625e-5;
+    return max(by_distance, bitcast<f32>(daa_ray_top[0].z));
 }
 
 /// Whether light i does not reach a surface, and 1 if a ray was needed to say so.

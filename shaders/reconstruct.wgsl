@@ -8,6 +8,14 @@
 @group(3) @binding(2) var daa_color: texture_storage_2d<rgba32float, write>;
 @group(3) @binding(3) var<storage, read_write> daa_statistics: DaaStatistics;
 
+/// The shaded samples of a tile's windows and of those around it, 10 × 10.
+var<workgroup> daa_near: array<DaaGeometry, 100>;
+var<workgroup> daa_counts: array<u32, 64>;
+var<workgroup> daa_total: u32;
+/// What a round shades, a sample each lane: window (6 bits) | rank (6 bits) | k (8 bits). And what became of it.
+var<workgroup> daa_round: array<u32, 64>;
+var<workgroup> daa_round_colors: array<vec4f, 64>;
+
 /// What the weights look at.
 struct DaaGeometry {
     /// From the camera.
@@ -58,7 +66,7 @@ fn daa_reconstruct_weight(i: DaaGeometry, j: DaaGeometry) -> f32 {
     return exp2(-1.44269504 * min(z * z + n * n, 80.0));
 }
 
-/// The colour of geometric sample `rank` of a pixel from the shaded samples of its 3 × 3 windows; in w the sum of weights.
+/// The colour of a geometric sample from the shaded samples of its 3 × 3 windows.
 struct DaaReconstructed {
     sum: vec4f,
     weight: f32,
@@ -67,14 +75,16 @@ struct DaaReconstructed {
 fn daa_reconstruct_sample(pixel: vec2u, i: DaaGeometry) -> DaaReconstructed {
     var r = DaaReconstructed(vec4f(0.0), 0.0);
     let last = vec2i(daa_frame.size) - 1;
+    let local = vec2i(pixel & vec2u(7u));
     // An end that the compiler does not know: nine copies take drivers seconds to compile, and run no faster.
     let end = min(9, last.x + 9);
     for (var place = 0; place < end; place++) {
-        let at = vec2i(pixel) + vec2i(place % 3, place / 3) - 1;
+        let step = vec2i(place % 3, place / 3);
+        let at = vec2i(pixel) + step - 1;
         if any(at < vec2i(0)) || any(at > last) {
             continue;
         }
-        let w = daa_reconstruct_weight(i, daa_geometry(vec2u(at), 0u));
+        let w = daa_reconstruct_weight(i, daa_near[(local.y + step.y) * 10 + local.x + step.x]);
         r.sum += textureLoad(daa_first, at, 0) * w;
         r.weight += w;
     }
@@ -100,7 +110,8 @@ fn daa_contrast_samples(pixel: vec2u, own: DaaGeometry, own_color: vec4f) -> u32
     for (var i = 0; i < end; i++) {
         let step = select(vec2i(i - 2, 0), vec2i(0, i - 1), (i & 1) == 0);
         let at = clamp(vec2i(pixel) + step, vec2i(0), last);
-        if daa_reconstruct_weight(own, daa_geometry(vec2u(at), 0u)) >= 0.5 {
+        let beside = at - vec2i(pixel) + vec2i(pixel & vec2u(7u)) + 1;
+        if daa_reconstruct_weight(own, daa_near[beside.y * 10 + beside.x]) >= 0.5 {
             let l = daa_shown(textureLoad(daa_first, at, 0));
             least = min(least, l);
             most = max(most, l);
@@ -118,56 +129,115 @@ fn daa_secondary_of(pixel: vec2u, rank: u32) -> vec4f {
     return vec4f(daa_radiance_decode(daa_secondary_code(pixel, rank)), 0.0);
 }
 
-@compute @workgroup_size(8, 8)
-fn daa_reconstruct_main(
-    @builtin(global_invocation_id) id: vec3u,
-    @builtin(workgroup_id) tile: vec3u,
-    @builtin(local_invocation_index) lane: u32,
-) {
-    if any(id.xy >= daa_frame.size) {
-        return;
+/// The ranks of a window that are shaded: 64 bits.
+fn daa_with(ranks: vec2u, rank: u32) -> vec2u {
+    let bit = 1u << (rank & 31u);
+    return ranks | select(vec2u(0u, bit), vec2u(bit, 0u), rank < 32u);
+}
+
+fn daa_has(ranks: vec2u, rank: u32) -> bool {
+    return ((select(ranks.y, ranks.x, rank < 32u) >> (rank & 31u)) & 1u) != 0u;
+}
+
+fn daa_least(ranks: vec2u) -> u32 {
+    return select(firstTrailingBit(ranks.x), firstTrailingBit(ranks.y) + 32u, ranks.x == 0u);
+}
+
+fn daa_without_least(ranks: vec2u) -> vec2u {
+    return select(vec2u(ranks.x & (ranks.x - 1u), ranks.y), vec2u(0u, ranks.y & (ranks.y - 1u)), ranks.x == 0u);
+}
+
+@compute @workgroup_size(64)
+fn daa_reconstruct_main(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocation_index) lane: u32) {
+    let last = vec2i(daa_frame.size) - 1;
+    for (var i = i32(lane); i < 100; i += 64) {
+        let at = clamp(vec2i(tile.xy) * 8 + vec2i(i % 10, i / 10) - 1, vec2i(0), last);
+        daa_near[i] = daa_geometry(vec2u(at), 0u);
     }
-    let own = daa_geometry(id.xy, 0u);
-    let own_color = textureLoad(daa_first, id.xy, 0);
+    workgroupBarrier();
+
+    let pixel = tile.xy * 8u + vec2u(lane & 7u, lane >> 3u);
+    let inside = all(pixel < daa_frame.size);
     let n = DAA_M * DAA_M;
     let own_first = daa_flag(DAA_FLAG_OWN_FIRST);
+    let own_color = textureLoad(daa_first, min(pixel, daa_frame.size - 1u), 0);
     // The first k ranks are shaded where they lie on the window's own surface.
-    let k = daa_contrast_samples(id.xy, own, own_color);
-    var own_mean = daa_weighted(DaaMean(), own_color);
-    var on_own = 0.0;
+    var k = 1u;
+    var shaded = vec2u(0u);
+    var on_own = vec2u(0u);
     var secondary_on_own = vec4f(0.0);
     var others = DaaMean();
-    var shaded = 1u;
-    for (var rank = 0u; rank < daa_frame.geometry; rank++) {
-        let i = daa_geometry(id.xy, rank);
-        // The window's own sample is as near as any, and its texture footprint is this window's.
-        let agrees = own_first && daa_reconstruct_weight(i, own) >= 0.5;
-        var around = DaaReconstructed(vec4f(0.0), 0.0);
-        if !agrees {
-            around = daa_reconstruct_sample(id.xy, i);
-        }
-        let shades = rank > 0u && select(around.weight < daa_frame.reconstruct_least, rank < k, agrees);
-        var c = own_color;
-        if shades {
-            c = daa_shade_sample(id.xy, rank, select(n, k, agrees));
-            shaded += 1u;
-        } else if around.weight >= daa_frame.reconstruct_least {
-            c = around.sum / around.weight;
-        }
-        let secondary = daa_secondary_of(id.xy, rank);
-        if agrees {
-            on_own += 1.0;
-            secondary_on_own += secondary;
-        } else {
-            others = daa_weighted(others, c + secondary);
-        }
-        if agrees && shades {
-            own_mean = daa_weighted(own_mean, c);
+    if inside {
+        let own = daa_near[(lane / 8u + 1u) * 10u + lane % 8u + 1u];
+        k = daa_contrast_samples(pixel, own, own_color);
+        for (var rank = 0u; rank < daa_frame.geometry; rank++) {
+            let i = daa_geometry(pixel, rank);
+            let secondary = daa_secondary_of(pixel, rank);
+            // The window's own sample is as near as any, and its texture footprint is this window's.
+            if own_first && daa_reconstruct_weight(i, own) >= 0.5 {
+                on_own = daa_with(on_own, rank);
+                secondary_on_own += secondary;
+                if rank > 0u && rank < k {
+                    shaded = daa_with(shaded, rank);
+                }
+                continue;
+            }
+            let around = daa_reconstruct_sample(pixel, i);
+            if around.weight >= daa_frame.reconstruct_least {
+                others = daa_weighted(others, around.sum / around.weight + secondary);
+            } else if rank == 0u {
+                others = daa_weighted(others, own_color + secondary);
+            } else {
+                shaded = daa_with(shaded, rank);
+            }
         }
     }
-    let all_own = daa_weighted(DaaMean(), daa_mean_finish(own_mean) + secondary_on_own / max(on_own, 1.0));
-    let mean = DaaMean(others.sum + all_own.sum * on_own, others.weight + all_own.weight * on_own);
-    textureStore(daa_color, id.xy, daa_mean_finish(mean));
-    daa_plan[(tile.y * daa_frame.tiles_x + tile.x) * 64u + lane] = shaded;
-    atomicAdd(&daa_statistics.histogram[shaded - 1u], 1u);
+
+    // The tile's samples are shaded end to end, 64 a round, so that no lane waits for another's.
+    let count = countOneBits(shaded.x) + countOneBits(shaded.y);
+    daa_counts[lane] = count;
+    workgroupBarrier();
+    var next = 0u;
+    for (var i = 0u; i < lane; i++) {
+        next += daa_counts[i];
+    }
+    if lane == 63u {
+        daa_total = next + count;
+    }
+    let total = workgroupUniformLoad(&daa_total);
+    var own_mean = daa_weighted(DaaMean(), own_color);
+    for (var done = 0u; done < total; done += 64u) {
+        var queued = shaded;
+        for (var at = next; at < done + 64u && any(queued != vec2u(0u)); at++) {
+            let rank = daa_least(queued);
+            daa_round[at - done] = lane | (rank << 6u) | (select(n, k, daa_has(on_own, rank)) << 12u);
+            queued = daa_without_least(queued);
+        }
+        workgroupBarrier();
+        if done + lane < total {
+            let entry = daa_round[lane];
+            let window = tile.xy * 8u + vec2u(entry & 7u, (entry >> 3u) & 7u);
+            daa_round_colors[lane] = daa_shade_sample(window, (entry >> 6u) & 63u, entry >> 12u);
+        }
+        workgroupBarrier();
+        for (; next < done + 64u && any(shaded != vec2u(0u)); next++) {
+            let rank = daa_least(shaded);
+            let c = daa_round_colors[next - done];
+            if daa_has(on_own, rank) {
+                own_mean = daa_weighted(own_mean, c);
+            } else {
+                others = daa_weighted(others, c + daa_secondary_of(pixel, rank));
+            }
+            shaded = daa_without_least(shaded);
+        }
+    }
+    if !inside {
+        return;
+    }
+    let of_own = f32(countOneBits(on_own.x) + countOneBits(on_own.y));
+    let all_own = daa_weighted(DaaMean(), daa_mean_finish(own_mean) + secondary_on_own / max(of_own, 1.0));
+    let mean = DaaMean(others.sum + all_own.sum * of_own, others.weight + all_own.weight * of_own);
+    textureStore(daa_color, pixel, daa_mean_finish(mean));
+    daa_plan[(tile.y * daa_frame.tiles_x + tile.x) * 64u + lane] = count + 1u;
+    atomicAdd(&daa_statistics.histogram[count], 1u);
 }

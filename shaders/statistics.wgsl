@@ -17,4 +17,6 @@ struct DaaStatistics {
     reflection_rays: atomic<u32>,
     /// Rays into what is transparent.
     refraction_rays: atomic<u32>,
+    /// Tiles with a surface, and with one that sends rays.
+    tiles: array<atomic<u32>, 2>,
 }

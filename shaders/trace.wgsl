@@ -29,7 +29,7 @@ fn daa_worth_tracing(pixel: vec2u) -> bool {
 
 @compute @workgroup_size(64)
 fn daa_trace_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
-    let ranks = daa_ranks(group.xy, lane);
+    let ranks = daa_ranks(group.xy, lane, DAA_TILES_SURFACE);
     // Where geometric samples are not worth rays, all have the bits of the first, which is traced.
     var traces = true;
     if daa_casting.samples == DAA_SAMPLES_GEOMETRIC && (daa_frame.flags & DAA_FLAG_TRACE_ALL) == 0u && ranks.end > 0u {

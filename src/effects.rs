@@ -71,6 +71,11 @@ impl Traced {
         }
     }
 
+    /// Whether it has all that the other has.
+    pub fn contains(self, other: Self) -> bool {
+        (self.shadows || !other.shadows) && (self.secondary || !other.secondary)
+    }
+
     pub fn index(self) -> usize {
         usize::from(self.shadows) + 2 * usize::from(self.secondary)
     }
@@ -121,13 +126,18 @@ impl CastingUniform {
 const BOUNCING_WORDS: usize = 65536 / 32;
 pub(crate) const BOUNCING_BYTES: u64 = BOUNCING_WORDS as u64 * 4;
 
-/// A bit for each material that sends rays.
-pub(crate) fn bouncing(materials: &[u32]) -> Vec<u32> {
-    let mut words = vec![0; BOUNCING_WORDS];
+/// A bit for each material that sends rays. Whether that differs from what `words` held.
+pub(crate) fn bouncing(materials: &[u32], words: &mut Vec<u32>) -> bool {
+    let mut bits = [0; BOUNCING_WORDS];
     for &material in materials {
-        words[(material & 0xffff) as usize / 32] |= 1 << (material % 32);
+        bits[(material & 0xffff) as usize / 32] |= 1 << (material % 32);
     }
-    words
+    let differs = words[..] != bits;
+    if differs {
+        words.clear();
+        words.extend(bits);
+    }
+    differs
 }
 
 impl CastingLight {

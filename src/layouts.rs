@@ -14,7 +14,8 @@ use crate::{DebugView, TILE};
 use compare::{constant, parse, rust_layout, wgsl_layout};
 use wgpu::naga;
 
-const PLAIN: [(&str, &str); 6] = [
+const PLAIN: [(&str, &str); 7] = [
+    ("classify", include_str!("../shaders/classify.wgsl")),
     ("list", concat!(include_str!("../shaders/work.wgsl"), "\n", include_str!("../shaders/list.wgsl"))),
     ("max_filter", include_str!("../shaders/max_filter.wgsl")),
     ("metrics", include_str!("../shaders/metrics.wgsl")),
@@ -133,7 +134,8 @@ fn counters_are_the_shaders() {
         decided,
         shadow_rays,
         reflection_rays,
-        refraction_rays
+        refraction_rays,
+        tiles
     });
     for (name, module) in modules() {
         assert_eq!(wgsl_layout(&module, "DaaStatistics"), counters, "{name}");
@@ -223,6 +225,8 @@ fn tiles_are_the_shaders() {
     let flat = [TILE * TILE, 1, 1];
     let expected = [
         ("daa_audit_main", flat),
+        ("daa_classify_finish", [1, 1, 1]),
+        ("daa_classify_main", flat),
         ("daa_first_main", tile),
         ("daa_list_count_pixels", flat),
         ("daa_list_count_samples", flat),
@@ -238,7 +242,7 @@ fn tiles_are_the_shaders() {
         ("daa_shade_pixels", flat),
         ("daa_shade_loop", tile),
         ("daa_shade_tiled", flat),
-        ("daa_reconstruct_main", tile),
+        ("daa_reconstruct_main", flat),
         ("daa_trace_main", flat),
         ("daa_bounce_main", flat),
     ];

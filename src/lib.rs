@@ -36,6 +36,7 @@
 
 mod audit;
 mod bounce;
+mod classify;
 mod effects;
 mod error;
 mod first;
@@ -83,7 +84,7 @@ pub use settings::{
     DebugView, DepthMeasure, Effect, Execution, Goal, LuminanceCurve, Preset, Reconstructed, Settings, Technique,
     Weight, Windowed,
 };
-pub use statistics::{PassTime, Statistics};
+pub use statistics::{PassTime, Statistics, TileCounts};
 pub use table::{
     BINDING_FEATURES, MAX_CLASSES, MAX_SAMPLERS, TableSampler, TableTexture, TextureTable, TextureTier, classes,
 };

@@ -18,7 +18,7 @@ pub(crate) const INFO_TRACED: PassInfo = PassInfo {
 };
 
 /// The ways to run it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum Listing {
     Bucketed,
     Sorted,

@@ -17,6 +17,8 @@ pub enum Resource {
     First,
     /// The scene for rays.
     Rays,
+    /// The tiles in which rays are wanted.
+    Tiles,
     /// The shadow bits of samples, and what they reflect and refract.
     Traced,
     /// k of each window, from the metrics.

@@ -8,7 +8,7 @@ use crate::wgsl;
 pub(crate) const NAME: &str = "resolve";
 
 /// Where the image lies.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum Source {
     First,
     Color,

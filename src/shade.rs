@@ -27,7 +27,7 @@ pub(crate) const INFO_FULL_TRACED: PassInfo =
     PassInfo { reads: &[Resource::GBuffer, Resource::Host, Resource::Traced], ..INFO_FULL };
 
 /// The ways to run it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum Variant {
     Full,
     Loop,

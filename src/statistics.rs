@@ -2,6 +2,7 @@
 
 use crate::audit::{self, Audited};
 use crate::goal::{Controller, GoalProgress, Measured};
+use crate::scratch;
 use crate::settings::Technique;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
@@ -18,12 +19,13 @@ pub(crate) struct Counters {
     pub shadow_rays: u32,
     pub reflection_rays: u32,
     pub refraction_rays: u32,
+    pub tiles: [u32; 2],
 }
 
 pub(crate) const COUNTER_BYTES: u64 = size_of::<Counters>() as u64;
 
 /// Most passes of a frame.
-pub(crate) const MAX_PASSES: usize = 14;
+pub(crate) const MAX_PASSES: usize = 15;
 const TIMESTAMP_BYTES: u64 = (MAX_PASSES * 2 * 8) as u64;
 /// Where the timestamps lie in a read-back buffer, aligned as `resolve_query_set` copies want it.
 const TIMESTAMPS_AT: u64 = COUNTER_BYTES.next_multiple_of(8);
@@ -62,10 +64,24 @@ pub struct Statistics {
     pub reflection_rays: u32,
     /// Refracted rays.
     pub refraction_rays: u32,
+    /// Tiles of 8 × 8 pixels by what rays were dispatched for.
+    pub tiles: TileCounts,
     /// How far the search for [`Settings::goal`](crate::Settings::goal) had come when this frame's counters arrived.
     pub goal: Option<GoalProgress>,
     /// The passes in order, with their GPU time in milliseconds where the device has timestamps.
     pub passes: Vec<PassTime>,
+}
+
+/// Tiles of a frame, by class. One may be of both.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct TileCounts {
+    /// Of the frame.
+    pub all: u32,
+    /// Where a sample has a surface: shadow rays are dispatched there. 0 if the frame traces nothing.
+    pub surface: u32,
+    /// Where a sample's material sends rays: mirrored and refracted ones are dispatched there.
+    pub bounce: u32,
 }
 
 /// A pass and its time.
@@ -265,6 +281,7 @@ fn read(bytes: &[u8], recorded: &Recorded, nanoseconds_per_tick: Option<f64>) ->
         milliseconds: nanoseconds_per_tick
             .map(|period| ticks[2 * i + 1].saturating_sub(ticks[2 * i]) as f64 * period * 1e-6),
     });
+    let [x, y] = scratch::tiles(recorded.size);
     Statistics {
         frame: recorded.frame,
         technique: recorded.technique,
@@ -279,6 +296,7 @@ fn read(bytes: &[u8], recorded: &Recorded, nanoseconds_per_tick: Option<f64>) ->
         shadow_rays: c.shadow_rays,
         reflection_rays: c.reflection_rays,
         refraction_rays: c.refraction_rays,
+        tiles: TileCounts { all: x * y, surface: c.tiles[0], bounce: c.tiles[1] },
         goal: None,
         passes: passes.collect(),
     }

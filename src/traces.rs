@@ -8,7 +8,7 @@ use crate::scratch::{self, Scratch};
 /// Before `first`.
 pub(crate) const INFO_FIRST: PassInfo = PassInfo {
     name: "trace first",
-    reads: &[Resource::GBuffer, Resource::Host, Resource::Rays],
+    reads: &[Resource::GBuffer, Resource::Host, Resource::Rays, Resource::Tiles],
     writes: &[Resource::Traced, Resource::Statistics],
 };
 
@@ -18,22 +18,26 @@ pub(crate) const INFO_FULL: PassInfo = PassInfo { name: "trace", ..INFO_FIRST };
 /// Behind the plan.
 pub(crate) const INFO: PassInfo = PassInfo {
     name: "trace",
-    reads: &[Resource::GBuffer, Resource::Host, Resource::Rays, Resource::Plan],
+    reads: &[Resource::GBuffer, Resource::Host, Resource::Rays, Resource::Tiles, Resource::Plan],
     writes: &[Resource::Traced, Resource::Statistics],
 };
 
 /// Before `audit`.
-pub(crate) const INFO_AUDITED: PassInfo = PassInfo { name: "trace audited", ..INFO };
+pub(crate) const INFO_AUDITED: PassInfo = PassInfo {
+    name: "trace audited",
+    reads: &[Resource::GBuffer, Resource::Host, Resource::Rays, Resource::Plan],
+    ..INFO
+};
 
 /// Behind `first`, for `Reconstructed`.
 pub(crate) const INFO_GEOMETRIC: PassInfo = PassInfo {
     name: "trace",
-    reads: &[Resource::GBuffer, Resource::Host, Resource::Rays, Resource::Traced],
+    reads: &[Resource::GBuffer, Resource::Host, Resource::Rays, Resource::Tiles, Resource::Traced],
     writes: &[Resource::Traced, Resource::Statistics],
 };
 
 /// Which samples.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum Samples {
     First,
     Full,
@@ -57,11 +61,22 @@ impl Samples {
     }
 }
 
+/// The tiles that `classify` lists.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) enum TileClass {
+    /// With a surface.
+    Surface,
+    /// With one that sends rays.
+    Bounce,
+}
+
 /// Made when a frame first needs it.
 #[derive(Debug)]
 pub(crate) struct Traces {
     /// `DaaCasting`, a slot for each frame and each [`Samples`]. The node's.
     pub lights: wgpu::Buffer,
+    /// `DaaTileLists` of classify.wgsl.
+    pub tiles: wgpu::Buffer,
     /// The shadow bits of all samples.
     pub shadows: Option<wgpu::Buffer>,
     /// What all samples reflect and refract.
@@ -69,14 +84,56 @@ pub(crate) struct Traces {
 }
 
 impl Traces {
-    /// Bytes of either.
+    /// Bytes before the lists of tiles: two `DaaTileClass`.
+    pub const CLASSES_BYTES: u64 = 32;
+
+    /// Where a class's workgroups for an indirect dispatch stand.
+    pub fn groups_at(class: TileClass) -> u64 {
+        class as u64 * 16 + 4
+    }
+
+    pub fn new(device: &wgpu::Device, lights: &wgpu::Buffer, size: [u32; 2]) -> Self {
+        let usage = wgpu::BufferUsages::STORAGE
+            | wgpu::BufferUsages::INDIRECT
+            | wgpu::BufferUsages::COPY_SRC
+            | wgpu::BufferUsages::COPY_DST;
+        let tiles = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("daa tiles"),
+            size: Self::tile_bytes(size),
+            usage,
+            mapped_at_creation: false,
+        });
+        Self { lights: lights.clone(), tiles, shadows: None, secondary: None }
+    }
+
+    /// Of the lists of tiles: a word for each tile and class.
+    pub fn tile_bytes(size: [u32; 2]) -> u64 {
+        let [x, y] = scratch::tiles(size).map(u64::from);
+        Self::CLASSES_BYTES + 2 * x * y * 4
+    }
+
+    /// Clears what a frame counts and what it may leave out.
+    pub fn clear(&self, encoder: &mut wgpu::CommandEncoder, size: [u32; 2], traced: Traced) {
+        encoder.clear_buffer(&self.tiles, 0, Some(Self::CLASSES_BYTES));
+        // `trace` looks at the first samples around its own.
+        if let Some(shadows) = self.shadows.as_ref().filter(|_| traced.shadows) {
+            encoder.clear_buffer(shadows, 0, Some(scratch::plan_bytes(size)));
+        }
+        // 0: nothing was traced.
+        if let Some(secondary) = self.secondary.as_ref().filter(|_| traced.secondary) {
+            encoder.clear_buffer(secondary, 0, None);
+        }
+    }
+
+    /// Bytes of shadows or of what is reflected and refracted.
     pub fn bytes(size: [u32; 2], m: u32) -> u64 {
         scratch::plan_bytes(size) * u64::from(m * m)
     }
 
     /// Bytes held.
     pub fn held(&self) -> u64 {
-        [&self.shadows, &self.secondary].into_iter().flatten().map(wgpu::Buffer::size).sum()
+        let found = [&self.shadows, &self.secondary].into_iter().flatten();
+        self.tiles.size() + found.map(wgpu::Buffer::size).sum::<u64>()
     }
 
     /// Makes what is missing. Whether anything was.
@@ -85,7 +142,7 @@ impl Traces {
             device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some(label),
                 size: Self::bytes(size, m),
-                usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
+                usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST,
                 mapped_at_creation: false,
             })
         };
@@ -122,9 +179,10 @@ pub(crate) fn layout(device: &wgpu::Device, tier: RayTier, bounces: bool) -> wgp
         entry::buffer(4, compute, true),
         entry::buffer(5, compute, false),
         entry::buffer(6, compute, false),
+        entry::buffer(7, compute, true),
     ];
     if bounces {
-        entries.push(entry::buffer(7, compute, true));
+        entries.push(entry::buffer(8, compute, true));
     }
     device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("daa rays"), entries: &entries })
 }
@@ -151,6 +209,7 @@ pub(crate) fn bind(
         scratch.plan.as_entire_binding(),
         found.as_entire_binding(),
         scratch.statistics.as_entire_binding(),
+        traces.tiles.as_entire_binding(),
     ];
     let resources = resources.into_iter().chain(bouncing.map(wgpu::Buffer::as_entire_binding));
     let entries: Vec<_> =

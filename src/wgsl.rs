@@ -401,13 +401,13 @@ fn one_line(text: &str) -> String {
 /// would change what the crate's code means. A test holds the list against the shaders.
 #[rustfmt::skip]
 pub(crate) const BUILTINS: &[&str] = &[
-    "RayDesc", "abs", "all", "any", "array", "arrayLength", "atan2", "atomic", "atomicAdd", "atomicLoad", "binding_array",
-    "bitcast", "bool", "clamp", "cos", "countOneBits", "cross", "dot", "exp2", "f32", "firstLeadingBit", "fract", "i32", "inverseSqrt", "length", "log2",
+    "RayDesc", "abs", "all", "any", "array", "arrayLength", "atan2", "atomic", "atomicAdd", "atomicLoad", "atomicOr", "atomicStore", "binding_array",
+    "bitcast", "bool", "clamp", "cos", "countOneBits", "cross", "dot", "exp2", "f32", "firstLeadingBit", "firstTrailingBit", "fract", "i32", "inverseSqrt", "length", "log2",
     "mat3x3f", "mat4x2f", "mat4x4f", "max", "min", "normalize", "pow", "rayQueryConfirmIntersection", "rayQueryGetCandidateIntersection", "rayQueryGetCommittedIntersection",
     "rayQueryInitialize", "rayQueryProceed", "reflect", "refract", "round", "sampler", "select", "sign", "sin", "sqrt", "textureLoad",
     "textureSampleGrad", "textureStore", "texture_2d", "texture_2d_array", "texture_depth_2d", "texture_storage_2d",
     "u32", "unpack2x16float", "unpack2x16snorm", "unpack4x8snorm", "unpack4x8unorm", "vec2f", "vec2i", "vec2u",
-    "vec3f", "vec3u", "vec4f", "vec4u", "workgroupBarrier",
+    "vec3f", "vec3u", "vec4f", "vec4u", "workgroupBarrier", "workgroupUniformLoad",
 ];
 
 /// Identifiers, numbers and single characters of WGSL with their places, comments left out.

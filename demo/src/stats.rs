@@ -3,7 +3,7 @@
 use crate::gpu::Gpu;
 use crate::host::{Host, Shot};
 use crate::quality::Quality;
-use deferred_aa::Settings;
+use deferred_aa::{Settings, TileCounts};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -24,6 +24,8 @@ pub struct Stats {
     /// What was shaded.
     pub samples: Samples,
     rays: Rays,
+    #[serde(default)]
+    tiles: TileCounts,
     /// By pass, `gbuffer` and `total` included.
     pub time_ms: BTreeMap<String, Spread>,
     memory_bytes: Memory,
@@ -135,6 +137,7 @@ impl Stats {
                 refraction: u64::from(s.refraction_rays),
                 primary: 0,
             },
+            tiles: s.tiles,
             time_ms: times(shots),
             memory_bytes: Memory {
                 gbuffer: memory.gbuffer,

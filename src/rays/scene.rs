@@ -65,6 +65,7 @@ pub struct RayScene {
     instances: u32,
     tier: RayTier,
     camera: Vec3,
+    least_offset: f32,
     generation: u64,
     /// What `update` uploads, kept so as not to be allocated anew.
     upload: Vec<[u32; 4]>,
@@ -145,6 +146,7 @@ impl RayScene {
             instances: 0,
             tier,
             camera: Vec3::ZERO,
+            least_offset: 0.0,
             generation: next_generation(),
             upload: Vec::new(),
         }
@@ -221,6 +223,7 @@ impl RayScene {
             return Err(RayError::Instances { instances: instances.len(), limit: MAX_INSTANCES });
         }
         let (mut boxes, mut records, mut places) = (Vec::new(), Vec::new(), Vec::new());
+        let mut least_offset = 0.0_f64;
         for (index, instance) in instances.iter().enumerate() {
             let (mesh, meshes) = (instance.mesh.0, self.meshes.len());
             let placed = self.meshes.get(mesh as usize).ok_or(RayError::NoMesh { instance: index, mesh, meshes })?;
@@ -230,6 +233,7 @@ impl RayScene {
                 why,
             })?;
             let Some(bounds) = placed.bounds else { continue };
+            least_offset = least_offset.max(place.least_offset(bounds));
             match self.structures {
                 Some(_) => places.push((mesh, place.relative_from_own())),
                 None => boxes.push(place.bounds(bounds)),
@@ -259,7 +263,8 @@ impl RayScene {
             self.changed(grown);
         }
         self.upload.clear();
-        self.upload.push([first as u32, records.len() as u32, 0, 0]);
+        self.least_offset = least_offset as f32;
+        self.upload.push([first as u32, records.len() as u32, self.least_offset.to_bits(), 0]);
         self.upload.extend_from_slice(bytemuck::cast_slice(&nodes));
         for &i in &order {
             self.upload.extend_from_slice(bytemuck::cast_slice(&[records[i as usize]]));
@@ -295,6 +300,12 @@ impl RayScene {
         self.generation
     }
 
+    /// How far rays start from a surface at least, in the world: what meshes need whose vertices lie much farther from their
+    /// own origin than from the camera, since f32 rounds there. 0 where no mesh does; instances that are moved need none.
+    pub fn least_offset(&self) -> f32 {
+        self.least_offset
+    }
+
     fn changed(&mut self, grown: bool) {
         if grown {
             self.generation = next_generation();
@@ -315,6 +326,14 @@ impl RayScene {
 fn next_generation() -> u64 {
     static NEXT: AtomicU64 = AtomicU64::new(0);
     NEXT.fetch_add(1, Ordering::Relaxed)
+}
+
+/// Of a box.
+fn corners(low: Vec3, high: Vec3) -> impl Iterator<Item = DVec3> {
+    (0..8).map(move |corner| {
+        let pick = |bit: usize| f64::from(if corner >> bit & 1 == 0 { low[bit] } else { high[bit] });
+        DVec3::new(pick(0), pick(1), pick(2))
+    })
 }
 
 /// Where an instance lies, relative to the camera.
@@ -350,6 +369,20 @@ impl Place {
         Ok(Self { matrix, translation, own_from_relative })
     }
 
+    /// 2⁻²¹ of the mesh's own coordinates: a ray is rounded to 2⁻²⁴ of these in each of a few sums. 0 where all that it holds is
+    /// as far from the camera as makes the offset by distance (casting.wgsl) enough.
+    fn least_offset(&self, [low, high]: [Vec3; 2]) -> f64 {
+        let (mut min, mut max, mut own) = (DVec3::INFINITY, DVec3::NEG_INFINITY, 0.0_f64);
+        for corner in corners(low, high) {
+            let p = self.matrix * corner;
+            own = own.max(p.abs().max_element());
+            (min, max) = (min.min(p + self.translation), max.max(p + self.translation));
+        }
+        let needed = own.min(self.translation.abs().max_element()) * 2.0_f64.powi(-21);
+        let distance = min.max(-max).max(DVec3::ZERO).max_element();
+        if needed > distance * 2.0_f64.powi(-16) { needed } else { 0.0 }
+    }
+
     /// Rows of the transform from the mesh's own space to that relative to the camera.
     fn relative_from_own(&self) -> [f32; 12] {
         let row = |i| self.matrix.row(i).extend(self.translation[i]).as_vec4().to_array();
@@ -361,11 +394,9 @@ impl Place {
     /// A box around the mesh's own, relative to the camera, with room for the rounding of rays that are carried into the
     /// mesh's own space.
     fn bounds(&self, [low, high]: [Vec3; 2]) -> Aabb {
-        let [low, high] = [low, high].map(|p| p.as_dvec3());
         let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        for corner in 0..8 {
-            let pick = |bit: usize| if corner >> bit & 1 == 0 { low[bit] } else { high[bit] };
-            let p = self.matrix * DVec3::new(pick(0), pick(1), pick(2)) + self.translation;
+        for corner in corners(low, high) {
+            let p = self.matrix * corner + self.translation;
             (min, max) = (min.min(p), max.max(p));
         }
         let pad = 1e-6 * min.abs().max(max.abs()).max_element().max((max - min).max_element());

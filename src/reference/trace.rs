@@ -18,6 +18,8 @@ pub struct Input<'a> {
     pub surface: &'a [[u32; 2]],
     /// The second.
     pub frame: &'a [[u32; 2]],
+    /// [`RayScene::least_offset`](crate::rays::RayScene::least_offset).
+    pub least_offset: f64,
     /// [`Needs::shadows`](crate::Needs::shadows).
     pub lights: &'a [CastingLight],
     /// Of all instances.
@@ -107,7 +109,7 @@ impl Input<'_> {
             return (true, sure);
         }
         let inside = !decide(geometric.dot(towards), towards.length());
-        let offset = position.abs().max_element() * 2f64.powi(-16);
+        let offset = (position.abs().max_element() * 2f64.powi(-16)).max(self.least_offset);
         let origin = position + geometric * if inside { -offset } else { offset };
         let ray = match punctual {
             None => Ray { origin, direction: towards, t_min: 0.0, t_max: 1e30 },

@@ -85,6 +85,7 @@ fn bits_are_those_of_the_twin_on_each_tier() {
                 depth: &host.depths(),
                 surface: &surface,
                 frame: &frame,
+                least_offset: f64::from(host.rays.as_ref().unwrap().scene.least_offset()),
                 lights: &lights,
                 triangles: &triangles,
                 objects: &objects,
@@ -257,6 +258,26 @@ fn surfaces_do_not_shadow_themselves() {
             let (seen, found) = (statistics.shadow_rays, bits(&covered));
             let shadowed = found.iter().flatten().filter(|&&b| b == 1).count() as u32;
             assert!(shadowed >= seen - seen / 50, "{scale} {slant}: {shadowed} of {seen} in shadow");
+        }
+    }
+}
+
+/// Vertices far from their mesh's own origin, moved back by the instance: rays round there, and nothing shadows itself for it.
+#[test]
+fn vertices_far_from_their_own_origin_do_not_shadow_themselves() {
+    for own in [300.0f32, 5e3, 1e5] {
+        for tier in tiers() {
+            let by = vec3(own, own * 0.5, -own);
+            let mut far = square();
+            far.positions.iter_mut().for_each(|p| *p += by);
+            let mut plain = scene(vec![far], &[(0, Mat4::from_translation(-by))]);
+            plain.sun = sun(vec3(0.6, 0.3, 0.8));
+            let camera = looking(vec3(0.3, 3.0, 2.5), Vec3::ZERO, 0.01);
+            let mut host = host_on(plain, 2, [48, 48], tier);
+            let statistics = host.frame(&camera, full()).unwrap().statistics;
+            assert!(statistics.shadow_rays > 500, "{own} {tier:?}");
+            let dark = bits(&host).iter().flatten().filter(|&&b| b != 0).count();
+            assert_eq!(dark, 0, "{own} {tier:?}: shadows itself");
         }
     }
 }

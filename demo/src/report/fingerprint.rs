@@ -8,10 +8,13 @@ use sha2::{Digest as _, Sha256};
 pub struct Fingerprint(Sha256);
 
 /// All shader code that has a part in an image. The library's own too: a result of other code is another result.
-const CODE: [&str; 26] = [
+const CODE: [&str; 32] = [
     crate::host::SHADING_WGSL,
     include_str!("../raster.wgsl"),
     include_str!("../../../shaders/audit.wgsl"),
+    include_str!("../../../shaders/bounce.wgsl"),
+    include_str!("../../../shaders/casting.wgsl"),
+    include_str!("../../../shaders/classify.wgsl"),
     include_str!("../../../shaders/contract.wgsl"),
     include_str!("../../../shaders/evaluate.wgsl"),
     include_str!("../../../shaders/first.wgsl"),
@@ -29,7 +32,10 @@ const CODE: [&str; 26] = [
     include_str!("../../../shaders/reconstruct.wgsl"),
     include_str!("../../../shaders/resolve.wgsl"),
     include_str!("../../../shaders/sample.wgsl"),
+    include_str!("../../../shaders/secondary.wgsl"),
     include_str!("../../../shaders/shade.wgsl"),
+    include_str!("../../../shaders/shadows.wgsl"),
+    include_str!("../../../shaders/shared_exponent.wgsl"),
     include_str!("../../../shaders/trace.wgsl"),
     include_str!("../../../shaders/table_arrays.wgsl"),
     include_str!("../../../shaders/table_bindings.wgsl"),

@@ -1,0 +1,432 @@
+//! The node: knows the order of the frame's passes, and nobody else does.
+
+mod order;
+mod pipelines;
+mod recording;
+mod sized;
+
+use crate::audit::Audited;
+use crate::effects::{CastingUniform, Needs, Traced};
+use crate::error::{BuildError, RecordError, ShadingError, SizeError, TableError};
+use crate::frame::{Frame, FrameUniform};
+use crate::gbuffer::GBuffer;
+use crate::goal::Controller;
+use crate::pipeline::{self, Build};
+use crate::rays::RayTier;
+use crate::requirements::{self, Memory, Requirements};
+use crate::scratch::{self, List, ListKind, Scratch};
+use crate::settings::Settings;
+use crate::statistics::{Collector, Recorded, Statistics};
+use crate::table::{TableTexture, Tables, TextureTable, TextureTier};
+use crate::traces::Samples;
+use crate::wgsl::{self, HostSource};
+use crate::window::MAX_M;
+use order::{Step, order};
+use pipelines::Pipelines;
+use sized::{RayBuffers, Sized, check_size, frame_layout};
+use std::sync::Arc;
+
+pub use order::Pass;
+pub use recording::Recording;
+
+/// The host's shading code.
+#[derive(Debug, Clone, Copy)]
+pub struct Shading<'a> {
+    /// WGSL: `fn shade(s: DaaSample) -> vec4f`, or `fn material(s: DaaSample) -> DaaMaterial` and
+    /// `fn light(f: DaaSurface, m: DaaMaterial) -> vec4f`, linear radiance and alpha. Optional
+    /// `fn sky(s: DaaSample) -> vec4f` where there is no surface; without it the sky is transparent black. For rays, optional
+    /// `fn bounce(s: DaaSample) -> DaaBounce`, what a surface reflects and refracts, and `fn solid(material: u32, uv: vec2f) ->
+    /// bool`, where a masked mesh stops a ray. Its resources
+    /// are bound at [`HOST_GROUP`](crate::HOST_GROUP). `shaders/contract.wgsl` has all that it may use.
+    pub source: &'a str,
+    /// What errors call it.
+    pub file: &'a str,
+}
+
+/// What is fixed when a node is built.
+#[derive(Debug, Clone, Copy)]
+pub struct Descriptor<'a> {
+    /// Samples along one side of a pixel's window, 1 to 8. Higher: better edges and textures; G-buffer memory and raster
+    /// time grow with m².
+    pub m: u32,
+    /// Of the view that frames are written to: float (HDR, linear), unorm or sRGB (clamped to 1).
+    pub target_format: wgpu::TextureFormat,
+    /// The host's WGSL.
+    pub shading: Shading<'a>,
+    /// How `daa_texture` reaches textures.
+    pub textures: TextureTier,
+    /// Most textures of a table on [`TextureTier::Bindings`].
+    pub texture_capacity: u32,
+    /// Who traces rays, if any frame may ever ask for them.
+    pub rays: Option<RayTier>,
+}
+
+impl<'a> Descriptor<'a> {
+    /// m = 4, no textures, no rays.
+    pub fn new(target_format: wgpu::TextureFormat, shading: Shading<'a>) -> Self {
+        Self { m: 4, target_format, shading, textures: TextureTier::None, texture_capacity: 0, rays: None }
+    }
+}
+
+/// Adaptive supersampling of a deferred frame: a node for a host's frame graph.
+///
+/// ```text
+/// let mut aa = DeferredAa::new(&device, &descriptor, Some(&layout))?;
+/// aa.resize(&device, width, height)?;
+/// // each frame: render into aa.gbuffer(), then
+/// aa.record(&queue, &mut encoder, &frame)?;
+/// ```
+///
+/// It never submits and never waits. After [`resize`](Self::resize) and the first frame of a technique it allocates no
+/// GPU resource.
+#[derive(Debug)]
+pub struct DeferredAa {
+    pipelines: Arc<Pipelines>,
+    tables: Option<Tables>,
+    uniforms: wgpu::Buffer,
+    rays: Option<RayBuffers>,
+    sized: Option<Sized>,
+    collector: Collector,
+    controller: Controller,
+    frame: u64,
+}
+
+/// What the passes hand to each other. All can be copied from.
+#[derive(Debug, Clone, Copy)]
+pub struct Intermediates<'a> {
+    /// S, `Rgba32Float`, w×h.
+    pub first: &'a wgpu::Texture,
+    /// The means of windows with k > 1, `Rgba32Float`, w×h; elsewhere what was there before.
+    pub color: &'a wgpu::Texture,
+    /// The plan of [`Technique::Windowed`]: a word for each pixel of each tile, k in bits 0 to 7, the deciding metric in
+    /// bits 8 to 15 (0 nothing, 1 depth, 2 normal, 3 luminance, 4 identity), the samples of the tile before this window's
+    /// in bits 16 to 31. See [`plan_index`](Self::plan_index).
+    pub plan: &'a wgpu::Buffer,
+    /// Tiles along x and y.
+    pub tiles: [u32; 2],
+    /// Slots of the plan by k, once [`Execution::Sorted`] or [`Execution::Bucketed`] ran; see `reference::list`.
+    pub pixel_list: Option<&'a wgpu::Buffer>,
+    /// The samples beyond the first, once [`Execution::Packed`] ran; see `reference::list`.
+    pub sample_list: Option<&'a wgpu::Buffer>,
+    /// The shadow bits of all samples, rank by rank in the order of the plan, once a frame traced; of those that were not
+    /// traced what was there before.
+    pub shadows: Option<&'a wgpu::Buffer>,
+    /// What they reflect and refract, likewise: codes of shared_exponent.wgsl, 0 where nothing was traced.
+    pub secondary: Option<&'a wgpu::Buffer>,
+}
+
+impl Intermediates<'_> {
+    /// Where in the plan a pixel's word lies.
+    pub fn plan_index(&self, x: u32, y: u32) -> usize {
+        let tile = (y / crate::TILE) * self.tiles[0] + x / crate::TILE;
+        (tile * crate::TILE * crate::TILE + (y % crate::TILE) * crate::TILE + x % crate::TILE) as usize
+    }
+}
+
+/// Uniform slots: as many frames may be recorded between two submits.
+const UNIFORM_SLOTS: u64 = 16;
+const UNIFORM_STRIDE: u64 = (size_of::<FrameUniform>() as u64).next_multiple_of(256);
+const LIGHTS_STRIDE: u64 = (size_of::<CastingUniform>() as u64).next_multiple_of(256);
+
+impl DeferredAa {
+    /// What a node with this descriptor needs of a device, and what this adapter can't give. Creates nothing.
+    pub fn requirements(adapter: &wgpu::Adapter, descriptor: &Descriptor<'_>) -> Requirements {
+        Requirements::of(adapter, descriptor)
+    }
+
+    /// Checks the host's WGSL and builds the node. `host_layout` is the layout of the host's bind group, `None` if its WGSL
+    /// binds nothing. Pipelines are compiled when a frame first needs them; [`warm_up`](Self::warm_up) does it ahead.
+    pub fn new(
+        device: &wgpu::Device,
+        descriptor: &Descriptor<'_>,
+        host_layout: Option<&wgpu::BindGroupLayout>,
+    ) -> Result<Self, BuildError> {
+        if !(1..=MAX_M).contains(&descriptor.m) {
+            return Err(BuildError::WindowSize(descriptor.m));
+        }
+        let missing = requirements::missing(device, descriptor);
+        if !missing.is_empty() {
+            return Err(BuildError::Missing(missing));
+        }
+        let float = matches!(
+            descriptor.target_format.sample_type(None, Some(device.features())),
+            Some(wgpu::TextureSampleType::Float { .. })
+        );
+        let usages = descriptor.target_format.guaranteed_format_features(device.features()).allowed_usages;
+        if !float || !usages.contains(wgpu::TextureUsages::RENDER_ATTACHMENT) {
+            return Err(BuildError::TargetFormat(descriptor.target_format));
+        }
+        let Shading { source, file } = descriptor.shading;
+        let host = HostSource::check(source, file, descriptor.textures, device.features())?;
+        let tables = Tables::new(device, descriptor.textures, descriptor.texture_capacity);
+        let build = Build {
+            device: device.clone(),
+            m: descriptor.m,
+            host,
+            target_format: descriptor.target_format,
+            frame_layouts: Traced::ALL.map(|traced| frame_layout(device, traced)),
+            table_layout: tables.as_ref().map(|t| t.layout.clone()),
+            host_layout: host_layout.cloned(),
+        };
+        let aa = Self {
+            tables,
+            uniforms: device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("daa frame"),
+                size: UNIFORM_STRIDE * UNIFORM_SLOTS,
+                usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            }),
+            rays: None,
+            sized: None,
+            collector: Collector::new(device),
+            controller: Controller::default(),
+            frame: 0,
+            pipelines: Arc::new(Pipelines::new(build, descriptor.rays)),
+        };
+        // A layout that does not fit the WGSL shows here, not in the first frame.
+        aa.pipelines.first.pipeline(&aa.pipelines.build, Traced::default())?;
+        Ok(aa)
+    }
+
+    /// Checks WGSL as [`new`](Self::new) does, without a device: for a host that reloads its shaders.
+    pub fn check_shading(
+        shading: Shading<'_>,
+        textures: TextureTier,
+        features: wgpu::Features,
+    ) -> Result<(), ShadingError> {
+        HostSource::check(shading.source, shading.file, textures, features).map(|_| ())
+    }
+
+    /// Samples along one side of a window.
+    pub fn m(&self) -> u32 {
+        self.build().m
+    }
+
+    fn build(&self) -> &Build {
+        &self.pipelines.build
+    }
+
+    /// Makes the G-buffer and all that goes with an output of `width` × `height` pixels. Nothing happens if it has that
+    /// size; what was there before is kept if it fails.
+    pub fn resize(&mut self, device: &wgpu::Device, width: u32, height: u32) -> Result<(), SizeError> {
+        let size = [width, height];
+        if self.sized.as_ref().is_some_and(|s| s.scratch.size == size) {
+            return Ok(());
+        }
+        let m = self.build().m;
+        check_size(size, m, &device.limits())?;
+        let scope = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let scratch = Scratch::new(device, size, m);
+        if let Some(e) = pipeline::ready(scope.pop()) {
+            let bytes = scratch::gbuffer_bytes(size, m) + scratch::scratch_bytes(size);
+            return Err(SizeError::OutOfMemory { width, height, m, bytes, message: e.to_string() });
+        }
+        self.sized = Some(Sized::new(&self.pipelines, &self.uniforms, scratch));
+        Ok(())
+    }
+
+    /// The attachments to render the scene into. `None` before the first [`resize`](Self::resize).
+    pub fn gbuffer(&self) -> Option<&GBuffer> {
+        self.sized.as_ref().map(|s| &s.scratch.gbuffer)
+    }
+
+    /// What the passes hand to each other, for tools and tests. `None` before the first [`resize`](Self::resize).
+    pub fn intermediates(&self) -> Option<Intermediates<'_>> {
+        self.sized.as_ref().map(|s| Intermediates {
+            first: s.scratch.first.texture(),
+            color: s.scratch.color.texture(),
+            plan: &s.scratch.plan,
+            tiles: scratch::tiles(s.scratch.size),
+            pixel_list: s.lists[ListKind::Pixels as usize].as_ref().map(|l| &l.list.list),
+            sample_list: s.lists[ListKind::Samples as usize].as_ref().map(|l| &l.list.list),
+            shadows: s.traced.as_ref().and_then(|t| t.traces.shadows.as_ref()),
+            secondary: s.traced.as_ref().and_then(|t| t.traces.secondary.as_ref()),
+        })
+    }
+
+    /// Bytes of GPU memory held for the present size.
+    pub fn memory(&self) -> Memory {
+        let size = self.sized.as_ref().map_or([0, 0], |s| s.scratch.size);
+        Memory {
+            gbuffer: scratch::gbuffer_bytes(size, self.build().m),
+            scratch: if size == [0, 0] { 0 } else { scratch::scratch_bytes(size) + self.list_bytes(size) },
+            rays: self.ray_bytes(),
+        }
+    }
+
+    fn ray_bytes(&self) -> u64 {
+        let traces = self.sized.as_ref().and_then(|s| s.traced.as_ref()).map_or(0, |t| t.traces.held());
+        traces + self.rays.as_ref().map_or(0, RayBuffers::held)
+    }
+
+    fn list_bytes(&self, size: [u32; 2]) -> u64 {
+        let made = |kind: ListKind| self.sized.as_ref().is_some_and(|s| s.lists[kind as usize].is_some());
+        let kinds = [ListKind::Pixels, ListKind::Samples].into_iter().filter(|&kind| made(kind));
+        kinds.flat_map(|kind| List::bytes(kind, size, self.build().m)).sum()
+    }
+
+    /// The layout of [`TextureTable::bind_group`], for the host's own pipelines, at `@group(1)`.
+    pub fn texture_layout(&self) -> Option<&wgpu::BindGroupLayout> {
+        self.tables.as_ref().map(|t| &t.layout)
+    }
+
+    /// WGSL of `daa_texture` for the host's own pipelines: a directive that goes before all else, and the chunk.
+    pub fn texture_wgsl(tier: TextureTier) -> (&'static str, &'static str) {
+        (wgsl::directives(tier), wgsl::table_chunk(tier))
+    }
+
+    /// A table of the host's textures: `daa_texture(i, ..)` reads `textures[i]`. On [`TextureTier::Arrays`] the encoder
+    /// receives copies, so submit it before the textures go. Make a new table when textures come or go.
+    pub fn texture_table(
+        &self,
+        queue: &wgpu::Queue,
+        encoder: &mut wgpu::CommandEncoder,
+        textures: &[TableTexture<'_>],
+    ) -> Result<TextureTable, TableError> {
+        let tables = self.tables.as_ref().ok_or(TableError::NoTier)?;
+        tables.table(&self.build().device, queue, encoder, textures)
+    }
+
+    /// Compiles what frames with these settings and needs want, so that none of them has to. Called with the most that any
+    /// frame may need, none that needs less waits either: its own pipelines are compiled on a thread, and until they are there
+    /// those of the most serve, to the same image.
+    pub fn warm_up(&self, settings: &Settings, needs: &Needs<'_>) -> Result<(), RecordError> {
+        settings.validate()?;
+        self.pipelines.warm_up(settings, Traced::of(settings, needs))
+    }
+
+    /// Whether the pipelines of frames with these settings and needs are compiled. Until then such a frame takes those of a
+    /// larger set, if [`warm_up`](Self::warm_up) or a frame before it compiled that; else it waits for the compiler.
+    pub fn is_ready(&self, settings: &Settings, needs: &Needs<'_>) -> bool {
+        let traced = Traced::of(settings, needs);
+        self.pipelines.ready(settings, traced, traced)
+    }
+
+    /// The passes that a frame with these settings and needs records, in order.
+    pub fn passes(settings: &Settings, needs: &Needs<'_>) -> impl Iterator<Item = Pass> + use<> {
+        let traced = Traced::of(settings, needs);
+        let steps = order(settings, traced).into_iter().flatten();
+        steps.enumerate().map(move |(index, step)| Pass { info: step.info(traced), step, index })
+    }
+
+    /// Records the frame: all its passes, and the copies of its statistics. Nothing is recorded if it fails. At most 16
+    /// frames of one node may be recorded between two submits: the next would take the first one's constants.
+    pub fn record(
+        &mut self,
+        queue: &wgpu::Queue,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &Frame<'_>,
+    ) -> Result<(), RecordError> {
+        let recording = self.begin(queue, encoder, frame)?;
+        for pass in Self::passes(&frame.settings, &frame.needs) {
+            recording.record(encoder, pass);
+        }
+        recording.finish(queue, encoder);
+        Ok(())
+    }
+
+    /// Begins a frame whose passes the host records itself, between its own or under its own profiler: each of
+    /// [`passes`](Self::passes) once, in their order, then [`Recording::finish`].
+    pub fn begin<'a>(
+        &'a mut self,
+        queue: &wgpu::Queue,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &'a Frame<'a>,
+    ) -> Result<Recording<'a>, RecordError> {
+        frame.settings.validate()?;
+        let sized = self.sized.as_ref().ok_or(RecordError::NoSize)?;
+        let [width, height] = sized.scratch.size;
+        let target = frame.target.texture();
+        let (target_width, target_height) = (target.width(), target.height());
+        // Views of other mips are the host's affair: only a texture that can't hold the image is refused.
+        if target.mip_level_count() == 1 && (target_width, target_height) != (width, height) {
+            return Err(RecordError::TargetSize { target_width, target_height, width, height });
+        }
+        let node = self.build().target_format;
+        if target.format().remove_srgb_suffix() != node.remove_srgb_suffix() {
+            return Err(RecordError::TargetFormat { target: target.format(), node });
+        }
+        if !target.usage().contains(wgpu::TextureUsages::RENDER_ATTACHMENT) {
+            return Err(RecordError::TargetUsage);
+        }
+        if self.build().host_layout.is_some() && frame.host_bind_group.is_none() {
+            return Err(RecordError::HostBindGroup);
+        }
+        if self.tables.is_some() && frame.textures.is_none() {
+            return Err(RecordError::Textures);
+        }
+        let size = sized.scratch.size;
+        let mut audited = Audited::of(self.frame + 1, size);
+        self.collector.poll(&mut self.controller);
+        self.controller.follow(&frame.settings, size);
+        let effort = self.controller.effort();
+        let mut settings = frame.settings;
+        if let Some(effort) = effort {
+            audited.step = self.controller.step();
+            audited.least_below = settings.windowed.at_effort(effort - audited.step, self.build().m).least_samples;
+            settings.windowed = settings.windowed.at_effort(effort, self.build().m);
+        }
+        let uniform = FrameUniform::new(&Frame { settings, ..*frame }, size, self.build().m, audited)?;
+        let lights = self.casting(frame, uniform.camera_position.into())?;
+        let traced = Traced::of(&frame.settings, &frame.needs);
+        let set = self.pipelines.serve(&frame.settings, traced)?;
+        let sized = self.sized.as_mut().ok_or(RecordError::NoSize)?;
+        sized.make_list(&self.pipelines, &frame.settings)?;
+        if let (Some(tracing), Some(scene), true) = (&self.pipelines.tracing, frame.needs.rays, traced.any()) {
+            let lights_bytes = LIGHTS_STRIDE * UNIFORM_SLOTS * Samples::COUNT;
+            let buffers = self.rays.get_or_insert_with(|| RayBuffers::new(&self.pipelines.build.device, lights_bytes));
+            sized.make_traces(&self.pipelines, tracing, buffers, scene, traced)?;
+            buffers.write_bouncing(queue, frame.needs.bounces);
+            if let Some(made) = &sized.traced {
+                made.traces.clear(encoder, size, traced);
+            }
+        }
+        sized.make_frame(&self.pipelines.build, &self.uniforms, traced, set);
+
+        self.frame += 1;
+        let offset = self.frame % UNIFORM_SLOTS * UNIFORM_STRIDE;
+        queue.write_buffer(&self.uniforms, offset, bytemuck::bytes_of(&uniform));
+        let lights_offset = self.frame % UNIFORM_SLOTS * Samples::COUNT * LIGHTS_STRIDE;
+        encoder.clear_buffer(&sized.scratch.statistics, 0, None);
+        let mut recorded = Recorded::new(self.frame, frame.settings.technique, size, self.pipelines.build.m);
+        recorded.effort = effort;
+        for pass in Self::passes(&frame.settings, &frame.needs) {
+            recorded.push(pass.info.name);
+            if let (Step::Trace(samples) | Step::Bounce(samples), Some(lights), Some(buffers)) =
+                (pass.step, lights, &self.rays)
+            {
+                let uniform = CastingUniform { samples: samples as u32, ..lights };
+                let offset = lights_offset + samples as u64 * LIGHTS_STRIDE;
+                queue.write_buffer(&buffers.lights, offset, bytemuck::bytes_of(&uniform));
+            }
+            recorded.audited = recorded.audited.or((pass.step == Step::Audit).then_some(audited));
+        }
+        let collects = frame.statistics || effort.is_some();
+        let offsets = [offset as u32, lights_offset as u32];
+        Ok(Recording { aa: self, frame, offsets, traced, set, recorded, audited, collects })
+    }
+
+    /// The lights, if the frame traces; checks what it needs for that.
+    fn casting(&self, frame: &Frame<'_>, camera: glam::Vec3) -> Result<Option<CastingUniform>, RecordError> {
+        let traced = Traced::of(&frame.settings, &frame.needs);
+        if !traced.any() {
+            return Ok(None);
+        }
+        let node = self.pipelines.tracing.as_ref().ok_or(RecordError::NoRays)?.tier;
+        let scene = frame.needs.rays.ok_or(RecordError::NoRayScene)?;
+        if scene.tier() != node {
+            return Err(RecordError::RayTier { scene: scene.tier(), node });
+        }
+        if scene.camera() != camera {
+            return Err(RecordError::RayCamera { scene: scene.camera(), camera });
+        }
+        CastingUniform::new(if traced.shadows { frame.needs.shadows } else { &[] }, camera).map(Some)
+    }
+
+    /// What the newest frame did whose counters have arrived, some frames after it was submitted with
+    /// [`Frame::statistics`]. Never waits; the host's `submit` or `poll` moves it on.
+    pub fn statistics(&mut self) -> Option<&Statistics> {
+        self.collector.poll(&mut self.controller);
+        self.collector.latest()
+    }
+}
