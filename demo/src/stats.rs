@@ -23,15 +23,19 @@ pub struct Stats {
     adapter: Adapter,
     /// What was shaded.
     pub samples: Samples,
-    rays: Rays,
+    /// What was traced.
+    pub rays: Rays,
+    /// Where.
     #[serde(default)]
-    tiles: TileCounts,
+    pub tiles: TileCounts,
     /// By pass, `gbuffer` and `total` included.
     pub time_ms: BTreeMap<String, Spread>,
-    memory_bytes: Memory,
+    /// Held.
+    pub memory_bytes: Memory,
     /// How near it comes.
     pub quality: Against,
-    passes: Vec<String>,
+    /// By name, in order.
+    pub passes: Vec<String>,
 }
 
 /// What it ran on.
@@ -57,19 +61,25 @@ pub struct Samples {
     histogram_k: Vec<u32>,
 }
 
+/// Rays by kind.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-struct Rays {
-    shadow: u64,
-    reflection: u64,
-    refraction: u64,
+pub struct Rays {
+    /// Towards lights.
+    pub shadow: u64,
+    /// Mirrored.
+    pub reflection: u64,
+    /// Refracted.
+    pub refraction: u64,
     primary: u64,
 }
 
+/// Bytes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-struct Memory {
+pub struct Memory {
     gbuffer: u64,
     scratch: u64,
-    rays: u64,
+    /// The scene for rays included.
+    pub rays: u64,
     peak: Option<u64>,
 }
 

@@ -109,7 +109,8 @@ impl Cost {
     }
 }
 
-fn base(session: &Session) -> Base {
+/// Where what depends on many frames is measured: smaller than the report on a software driver.
+pub fn base(session: &Session) -> Base {
     let r = &session.request;
     let most = match (session.software(), r.quick) {
         (true, true) => 1 << 16,

@@ -7,6 +7,7 @@
 //! bounds    how few samples could have done
 //! flicker   the same entries while the camera moves
 //! executions, goals, cost   the same image run in other ways; to a goal; on other sizes, lights, triangles
+//! effects   what the scene does not pay for
 //! page      report.json, report.html
 //! ```
 //!
@@ -15,6 +16,7 @@
 pub mod bounds;
 pub mod cache;
 pub mod cost;
+pub mod effects;
 pub mod executions;
 pub mod fingerprint;
 pub mod fit;

@@ -1,6 +1,7 @@
 //! The order of a report.
 
 use super::cost::{self, Cost};
+use super::effects::{Effects, effects};
 use super::executions::{ExecutionRow, executions};
 use super::measure::{self, References};
 use super::plan::{self, Planned};
@@ -21,6 +22,7 @@ struct Finished {
     executions: Vec<ExecutionRow>,
     goals: Vec<GoalRow>,
     cost: Option<Cost>,
+    effects: Option<Effects>,
 }
 
 /// The entries of a request.
@@ -38,6 +40,7 @@ pub fn parts(request: &Request, plan: &[Planned]) -> Vec<String> {
         names.extend(["executions", "goals"].map(str::to_owned));
     }
     if plan::TECHNIQUES.into_iter().all(wanted) {
+        names.push("effects".to_owned());
         names.extend(cost::CURVES.map(|(name, _)| cost::part(name)));
     }
     names.push("page".to_owned());
@@ -112,6 +115,9 @@ fn work(session: &mut Session, plan: &[Planned], finished: &mut Finished) -> Res
         finished.executions = session.part("executions", |session| executions(session, largest))?;
         finished.goals = session.part("goals", |session| goals::goals(session, largest))?;
     }
+    if session.wants("effects") {
+        finished.effects = Some(session.part("effects", |session| effects(session))?);
+    }
     cost::cost(session, &mut finished.cost)
 }
 
@@ -136,7 +142,7 @@ fn write(session: &mut Session, plan: &[Planned], finished: Finished) -> Result<
 }
 
 fn report(session: &Session, plan: &[Planned], finished: Finished, crops: Vec<Crop>) -> Report {
-    let Finished { truth, entries, oracles, temporal, executions, goals, cost } = finished;
+    let Finished { truth, entries, oracles, temporal, executions, goals, cost, effects } = finished;
     let Request { ref command, width, height, stall, quick, .. } = session.request;
     let scene = &session.scene;
     let is_there = |p: &&Planned| entries.iter().any(|e| e.id == p.id);
@@ -157,6 +163,7 @@ fn report(session: &Session, plan: &[Planned], finished: Finished, crops: Vec<Cr
         frontier: frontier(&entries),
         executions,
         cost,
+        effects,
         goals,
         crops,
         unfinished: plan.iter().filter(|p| !is_there(p)).map(|p| p.id.clone()).chain(session.left()).collect(),

@@ -1,6 +1,7 @@
 //! report.json. Every field is present or null.
 
 use super::cost::Cost;
+use super::effects::Effects;
 use super::executions::ExecutionRow;
 use crate::oracle::{Coverage, Neyman};
 use crate::picture::Rect;
@@ -49,6 +50,9 @@ pub struct Report {
     pub executions: Vec<ExecutionRow>,
     /// Cost against what makes frames costly.
     pub cost: Option<Cost>,
+    /// What the scene does not pay for.
+    #[serde(default)]
+    pub effects: Option<Effects>,
     /// What settings given as goals settled on.
     pub goals: Vec<GoalRow>,
     /// Where the image is worst, worst first.

@@ -1,5 +1,6 @@
 //! The report on a terminal.
 
+use super::effects::{Effects, Frames};
 use super::schema::Report;
 use crate::quality::IDENTICAL_DB;
 
@@ -38,8 +39,49 @@ pub fn table(report: &Report) -> String {
             number(row.node_ms.map(|s| s.median), 1)
         );
     }
+    if let Some(effects) = &report.effects {
+        text += &effects_table(effects);
+    }
     let seconds: Vec<_> = report.seconds.iter().map(|(name, s)| format!("{name} {s:.0}")).collect();
     text + &format!("seconds: {}\n", seconds.join(", "))
+}
+
+fn effects_table(effects: &Effects) -> String {
+    let ms = |frames: &Frames| number(frames.total_ms.map(|s| s.median), 1);
+    let mut text = String::new();
+    for row in &effects.rows {
+        let bytes = row.on.ray_bytes as f64 * 1e-6;
+        let called_for = if row.needed { "called for" } else { "not paid for" };
+        text += &format!(
+            "{:<14} {called_for:<13} on {:>8} ms, {bytes:.1} MB, {} rays; off {:>8} ms, {} bytes\n",
+            row.effect,
+            ms(&row.on),
+            row.on.rays,
+            ms(&row.off),
+            row.off.ray_bytes
+        );
+    }
+    for row in &effects.tiers {
+        let (speed, bytes) = (number(row.rays_per_second.map(|r| r * 1e-6), 2), number(row.bytes_per_triangle, 1));
+        let (triangles, built) = (row.triangles, row.build_ms);
+        text += &format!(
+            "{:<14} {speed} million rays/s, {triangles} triangles built in {built:.0} ms, {bytes} bytes each without vertices\n",
+            row.tier
+        );
+    }
+    for row in &effects.mirrors {
+        let tiles = row.frames.tiles;
+        text += &format!(
+            "{:>2} of 64 squares mirror: {} of {} tiles, {} rays, {} ms, {} of none\n",
+            row.mirrors,
+            tiles.bounce,
+            tiles.all,
+            row.frames.rays,
+            ms(&row.frames),
+            number(row.relative, 2)
+        );
+    }
+    text
 }
 
 fn frontier(report: &Report, id: &String) -> &'static str {

@@ -5,6 +5,7 @@ mod atrium;
 mod checker;
 mod cornell;
 mod fence;
+mod mirrored;
 mod mirrors;
 mod paint;
 mod shadows;
@@ -39,6 +40,13 @@ pub fn builtin(name: &str) -> Option<Scene> {
         _ => return None,
     };
     Some(stage.finish(name))
+}
+
+pub use mirrored::SQUARES;
+
+/// A wall of [`SQUARES`] that fills a square picture, the first `mirrors` of them mirrors: for what mirrors cost.
+pub fn mirrored(mirrors: u32) -> Scene {
+    mirrored::build(mirrors).finish("mirrored")
 }
 
 /// One plane without texture or highlight that fills the view: nothing here needs more than one sample.

@@ -97,6 +97,40 @@ function drawExecutions(host, { report }) {
   ], rows, { row: (r) => ({ class: rows[0] !== r && rows[rows.indexOf(r) - 1].stall !== r.stall && "first" }) }));
 }
 
+/* What an effect costs, who traces, and what a corner costs beside a whole. */
+function drawEffects(host, { report }) {
+  const effects = report.effects;
+  if (!effects) return host.append(none("The effects were not measured."));
+  const time = (f) => number(f.total_ms?.median), spread = (f) => spreadText(f.total_ms);
+  const base = effects.base, where = `${base.width} × ${base.height}, m = ${base.m}`;
+  host.append(table(`Effects, ${where}`, [
+    { name: "Effect", text: (r) => capital(r.effect) },
+    { name: "This scene", text: (r) => (r.needed ? "calls for it" : "does not pay for it") },
+    { name: "On, ms", text: (r) => time(r.on), title: (r) => spread(r.on) },
+    { name: "Off, ms", text: (r) => time(r.off), title: (r) => spread(r.off) },
+    { name: "Rays", text: (r) => plain(r.on.rays) },
+    { name: "Memory on", text: (r) => megabytes(r.on.ray_bytes) },
+    { name: "Memory off", text: (r) => megabytes(r.off.ray_bytes) },
+    { name: "Passes that it adds", class: "wide",
+      text: (r) => r.on.passes.filter((p) => !r.off.passes.includes(p)).join(", ") },
+  ], effects.rows));
+  if (effects.tiers.length) host.append(table("Who traces: shadow rays from the first samples", [
+    { name: "Traversal", text: (r) => (r.tier === "query" ? "the adapter's ray query" : "WGSL") },
+    { name: "Rays a second", text: (r) => (finite(r.rays_per_second) ? `${fixed(r.rays_per_second / 1e6, 2)} M` : "–") },
+    { name: "Triangles", text: (r) => plain(r.triangles) },
+    { name: "Bytes a triangle, vertices apart",
+      text: (r) => (finite(r.bytes_per_triangle) ? fixed(r.bytes_per_triangle, 1) : "the adapter's own") },
+    { name: "Build, ms", text: (r) => number(r.build_ms) },
+  ], effects.tiers));
+  host.append(table("A made wall of 64 squares, some of them mirrors", [
+    { name: "Mirrors", text: (r) => plain(r.mirrors) },
+    { name: "Tiles with rays", text: (r) => `${plain(r.frames.tiles.bounce)} of ${plain(r.frames.tiles.all)}` },
+    { name: "Rays", text: (r) => plain(r.frames.rays) },
+    { name: "Frame, ms", text: (r) => time(r.frames), title: (r) => spread(r.frames) },
+    { name: "Over none", text: (r) => ratioText(r.relative) },
+  ], effects.mirrors));
+}
+
 function meter(value, paper, end) {
   const at = (v, tag, className) => finite(v) && v > 0 && css(el(tag, { class: className }), { "--at": v / end });
   return el("span", { class: "meter", "aria-hidden": "true" }, at(value, "i"), at(1, "b"), at(paper, "b", "paper"));
@@ -302,7 +336,7 @@ function drawSamples(host, model) {
 const DRAW = {
   time: drawTime, sentences: drawSentences, samples: drawSamples, oracle: drawOracle, table: drawTable,
   pictures: drawPictures, passes: drawPasses, stall: drawStall, multiples: drawMultiples,
-  executions: drawExecutions, paper: drawPaper, goals: drawGoals, motion: drawMotion, measured: drawMeasured,
+  executions: drawExecutions, effects: drawEffects, paper: drawPaper, goals: drawGoals, motion: drawMotion, measured: drawMeasured,
 };
 
 /** For tests: <html data-ready> says "ok" once all is drawn, or "error: .." for good. */
