@@ -301,6 +301,12 @@ impl Host {
         Ok(self.aa.statistics().ok_or(HostError::NoStatistics)?.clone())
     }
 
+    /// Whether the pipelines of a frame with these settings are compiled.
+    pub fn is_ready(&self, settings: Settings) -> bool {
+        let shadows = self.casting(settings.shadows);
+        self.aa.is_ready(&settings, &Needs { rays: None, shadows: &shadows, bounces: &self.bouncing })
+    }
+
     /// The lights that cast shadows in a frame: those of the scene that do, and the sun if it does or is asked to.
     fn casting(&self, shadows: Effect) -> Vec<CastingLight> {
         match shadows {

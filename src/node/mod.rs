@@ -111,6 +111,9 @@ pub struct Intermediates<'a> {
     /// The shadow bits of all samples, rank by rank in the order of the plan, once a frame traced; of those that were not
     /// traced what was there before.
     pub shadows: Option<&'a wgpu::Buffer>,
+    /// The tiles in which rays were wanted, once a frame traced: `DaaTileLists` of classify.wgsl, two classes of four words, of
+    /// which the first counts, then the tiles of either.
+    pub tile_lists: Option<&'a wgpu::Buffer>,
     /// What they reflect and refract, likewise: codes of shared_exponent.wgsl, 0 where nothing was traced.
     pub secondary: Option<&'a wgpu::Buffer>,
 }
@@ -240,6 +243,7 @@ impl DeferredAa {
             pixel_list: s.lists[ListKind::Pixels as usize].as_ref().map(|l| &l.list.list),
             sample_list: s.lists[ListKind::Samples as usize].as_ref().map(|l| &l.list.list),
             shadows: s.traced.as_ref().and_then(|t| t.traces.shadows.as_ref()),
+            tile_lists: s.traced.as_ref().map(|t| &t.traces.tiles),
             secondary: s.traced.as_ref().and_then(|t| t.traces.secondary.as_ref()),
         })
     }

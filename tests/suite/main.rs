@@ -6,6 +6,7 @@ mod bounces;
 mod example;
 mod goals;
 mod harness;
+mod needs;
 mod numerics;
 mod rays;
 mod scenes;

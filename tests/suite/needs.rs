@@ -1,0 +1,78 @@
+//! What a scene does not call for: tiles that get no rays, and pipelines that are smaller.
+
+use crate::shadows::{full, host};
+use bytemuck::pod_collect_to_vec;
+use deferred_aa::reference::classify::classify;
+use deferred_aa::{Effect, Needs, Settings, Technique};
+use deferred_aa_demo::rays::bouncing;
+use deferred_aa_demo::scene::builtin::{self, SQUARES, builtin};
+use std::time::{Duration, Instant};
+
+/// The lists that rays are dispatched over are the twin's, whatever their order.
+#[test]
+fn tiles_are_the_twins() {
+    for (name, m, size) in [("mirrors", 2, [93, 51]), ("shadows", 3, [40, 31]), ("cornell", 1, [17, 64])] {
+        let scene = builtin(name).unwrap();
+        let (camera, sent) = (scene.default_camera(), bouncing(&scene));
+        let mut host = host(scene, m, size);
+        let tiles = host.frame(&camera, full()).unwrap().statistics.tiles;
+        let gbuffer = host.aa.gbuffer().unwrap();
+        let surface: Vec<[u32; 2]> = pod_collect_to_vec(&host.gpu.read_texture(gbuffer.color[0].texture(), 8));
+        let expected = classify(&host.depths(), &surface, size, m, |material| sent.contains(&material));
+        assert_eq!([tiles.surface, tiles.bounce].map(|t| t as usize), [0, 1].map(|i| expected[i].len()), "{name}");
+        let words: Vec<u32> =
+            pod_collect_to_vec(&host.gpu.read_buffer(host.aa.intermediates().unwrap().tile_lists.unwrap()));
+        let all = size.map(|side| side.div_ceil(8)).iter().product::<u32>();
+        assert_eq!(tiles.all, all);
+        for (class, expected) in (0..).zip(expected) {
+            let begin = 8 + class * all as usize;
+            let mut listed = words[begin..begin + words[class * 4] as usize].to_vec();
+            listed.sort_unstable();
+            assert_eq!(listed, expected, "{name}, class {class}");
+        }
+    }
+}
+
+/// One square of 64 that mirrors is one tile of 64, and no other sends a ray.
+#[test]
+fn a_mirror_in_a_corner_is_its_own_tiles_matter() {
+    let mut seen = Vec::new();
+    for mirrors in [0, 1, 5, SQUARES] {
+        let scene = builtin::mirrored(mirrors);
+        let camera = scene.default_camera();
+        let mut host = host(scene, 2, [64, 64]);
+        let statistics = host.frame(&camera, full()).unwrap().statistics;
+        assert_eq!(statistics.reflection_rays, mirrors * 64 * 4);
+        seen.push((statistics.tiles.all, statistics.tiles.bounce));
+    }
+    // Where nothing casts or mirrors, nothing is classified either.
+    assert_eq!(seen, [(64, 0), (64, 1), (64, 5), (64, 64)]);
+}
+
+/// With everything compiled ahead no frame waits: pipelines with more than it needs serve until its own are there, and the
+/// image is the same bit for bit, over all scenes.
+#[test]
+fn pruned_and_unpruned_images_are_the_same_bits() {
+    for name in builtin::NAMES {
+        let scene = builtin(name).unwrap();
+        let camera = scene.default_camera();
+        let mut host = host(scene, 2, [40, 24]);
+        for technique in [Technique::Full, Technique::Windowed, Technique::Reconstructed] {
+            let settings = Settings { technique, ..Default::default() };
+            let all = Settings { shadows: Effect::On, reflections: Effect::On, ..settings };
+            host.aa.warm_up(&all, &Needs::default()).unwrap();
+            let first = host.frame(&camera, settings).unwrap().statistics;
+            let unpruned = host.picture().rgba;
+            // The same passes, whoever serves.
+            let names: Vec<_> = first.passes.iter().map(|p| p.name).collect();
+            let start = Instant::now();
+            while !host.is_ready(settings) {
+                assert!(start.elapsed() < Duration::from_secs(120), "{name}: its own pipelines never came");
+                std::thread::sleep(Duration::from_millis(5));
+            }
+            let second = host.frame(&camera, settings).unwrap().statistics;
+            assert_eq!(second.passes.iter().map(|p| p.name).collect::<Vec<_>>(), names, "{name}");
+            assert!(host.picture().rgba == unpruned, "{name} {technique:?}: images differ");
+        }
+    }
+}
