@@ -71,7 +71,8 @@ fn daa_met(pixel: vec2u, rank: u32, ray: DaaRay, hit: DaaHit, cone: DaaCone) -> 
     s.view = -ray.direction;
     s.geometric_normal = flat_normal * (side * inverseSqrt(max(dot(flat_normal, flat_normal), 1e-36)));
     s.normal = smooth_normal * (side * inverseSqrt(max(dot(smooth_normal, smooth_normal), 1e-36)));
-    s.tangent = vec4f(tangent * inverseSqrt(max(dot(tangent, tangent), 1e-36)), tangents.w * side);
+    // A mirroring instance turns N × T round, and the bitangent not.
+    s.tangent = vec4f(tangent * inverseSqrt(max(dot(tangent, tangent), 1e-36)), tangents.w * side * sign(volume));
     s.material = more.x;
     s.object = more.y;
     s.user = v0.w;
