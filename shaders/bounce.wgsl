@@ -167,10 +167,11 @@ fn daa_bounce_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocatio
             if dot(direction, direction) == 0.0 {
                 continue;
             }
-            // A normal map may send a mirrored ray into the surface: along it then.
+            // A normal map may send a mirrored ray into the surface: along it then, risen by more than the 1° within which the
+            // geometric normal is known, else it may meet the triangle that it leaves.
             let into = dot(direction, s.geometric_normal);
             if kind == 0u && into < 0.0 {
-                direction -= s.geometric_normal * (into * 1.01);
+                direction += s.geometric_normal * (0.02 - into);
             }
             let origin = s.relative_position + s.geometric_normal * select(offset, -offset, kind == 1u);
             sum += weight * daa_arriving(ranks.pixel, rank, origin, normalize(direction), kind == 1u, b.ior, s.object, cone);
