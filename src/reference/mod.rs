@@ -13,5 +13,6 @@ pub mod plan;
 pub mod rays;
 pub mod reconstruct;
 pub mod resolve;
+pub mod shared_exponent;
 pub mod trace;
 pub mod window;
