@@ -1,5 +1,6 @@
 // bounce: one mirrored and one refracted ray from samples whose material sends them, what they meet shaded by the host's own hook
 // (the secondary rays of subpixel reconstruction for ray tracing, WSCG 2012, section 3). Joined with casting.wgsl, rays.wgsl and the chunk of a tier.
+// CPU twin: src/reference/bounce.rs.
 
 /// What was found, rank by rank: codes of shared_exponent.wgsl.
 @group(3) @binding(5) var<storage, read_write> daa_secondary: array<u32>;

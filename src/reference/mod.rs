@@ -4,6 +4,7 @@
 //! an integer, so both must agree, except where the metric lies within [`metrics::ROUNDING_BAND`] of a half.
 
 pub mod audit;
+pub mod bounce;
 pub mod classify;
 pub mod list;
 pub mod max_filter;

@@ -3,7 +3,7 @@
 use super::octahedral;
 use super::rays::{self, Ray};
 use crate::{Camera, CastingLight};
-use glam::{DMat4, DVec3, DVec4};
+use glam::{DMat4, DVec2, DVec3, DVec4};
 
 /// What a frame traces through. Positions are relative to the camera.
 #[derive(Debug, Clone)]
@@ -38,9 +38,14 @@ pub struct Bits {
 }
 
 /// How near to a decision rounding may reach.
-const MARGIN: f64 = 1e-4;
+pub(super) const MARGIN: f64 = 1e-4;
 
 impl Input<'_> {
+    /// `daa_ray_offset`.
+    pub(super) fn ray_offset(&self, relative: DVec3) -> f64 {
+        (relative.abs().max_element() * 2f64.powi(-16)).max(self.least_offset)
+    }
+
     /// Of the sample at G-buffer coordinates x, y.
     pub fn bits(&self, x: u32, y: u32) -> Bits {
         let at = (y * self.samples[0] + x) as usize;
@@ -48,35 +53,42 @@ impl Input<'_> {
         if depth <= 1e-30 {
             return Bits { shadow: 0, sure: u32::MAX };
         }
-        let [width, height] = self.samples.map(f64::from);
-        let ndc = DVec4::new(
-            (f64::from(x) + 0.5) / width * 2.0 - 1.0,
-            1.0 - (f64::from(y) + 0.5) / height * 2.0,
-            f64::from(depth),
-            1.0,
-        );
-        let mut rotation = self.camera.world_from_view.as_dmat4();
-        let eye = rotation.w_axis.truncate();
-        rotation.w_axis = DVec4::W;
-        let relative_from_clip: DMat4 = rotation * self.camera.clip_from_view.as_dmat4().inverse();
-        let p = relative_from_clip * ndc;
-        let position = p.truncate() / p.w;
+        let position = self.relative_position(DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5), f64::from(depth));
         let normal = octahedral::decode(self.surface[at][0]);
         let geometric = geometric_normal(self.frame[at][0]);
-        let object = self.surface[at][1] >> 16;
+        self.bits_at(position, normal, geometric, self.surface[at][1] >> 16)
+    }
+
+    /// Of a surface of `object`, wherever it was found.
+    pub fn bits_at(&self, position: DVec3, normal: DVec3, geometric: DVec3, object: u32) -> Bits {
         let mut bits = Bits { shadow: 0, sure: 0 };
         for (i, light) in self.lights.iter().enumerate() {
-            let (shadow, sure) = self.light(light, eye, position, normal, geometric, object);
+            let (shadow, sure) = self.light(light, position, normal, geometric, object);
             bits.shadow |= u32::from(shadow) << i;
             bits.sure |= u32::from(sure) << i;
         }
         bits
     }
 
+    /// `daa_relative_position`: from the camera to the point under G-buffer coordinates at depth `d`.
+    pub(super) fn relative_position(&self, xy: DVec2, d: f64) -> DVec3 {
+        let [width, height] = self.samples.map(f64::from);
+        let ndc = DVec4::new(xy.x / width * 2.0 - 1.0, 1.0 - xy.y / height * 2.0, d, 1.0);
+        let mut rotation = self.camera.world_from_view.as_dmat4();
+        rotation.w_axis = DVec4::W;
+        let relative_from_clip: DMat4 = rotation * self.camera.clip_from_view.as_dmat4().inverse();
+        let p = relative_from_clip * ndc;
+        p.truncate() / p.w
+    }
+
+    /// World space.
+    pub(super) fn eye(&self) -> DVec3 {
+        self.camera.world_from_view.w_axis.truncate().as_dvec3()
+    }
+
     fn light(
         &self,
         light: &CastingLight,
-        eye: DVec3,
         position: DVec3,
         normal: DVec3,
         geometric: DVec3,
@@ -90,7 +102,7 @@ impl Input<'_> {
         let (towards, punctual) = match *light {
             CastingLight::Directional { towards } => (towards.as_dvec3().normalize(), None),
             CastingLight::Punctual { position: at, range, cone } => {
-                let at = at.as_dvec3() - eye;
+                let at = at.as_dvec3() - self.eye();
                 let towards = at - position;
                 let distance = towards.length();
                 let range = if range > 0.0 { f64::from(range.min(1e18)) } else { 1e18 };
@@ -109,7 +121,7 @@ impl Input<'_> {
             return (true, sure);
         }
         let inside = !decide(geometric.dot(towards), towards.length());
-        let offset = (position.abs().max_element() * 2f64.powi(-16)).max(self.least_offset);
+        let offset = self.ray_offset(position);
         let origin = position + geometric * if inside { -offset } else { offset };
         let ray = match punctual {
             None => Ray { origin, direction: towards, t_min: 0.0, t_max: 1e30 },
@@ -138,7 +150,7 @@ impl Input<'_> {
 }
 
 /// 8+8 bits, octahedral.
-fn geometric_normal(code: u32) -> DVec3 {
+pub(super) fn geometric_normal(code: u32) -> DVec3 {
     let wide = |bits: u32| {
         // To 16 bits: both are shares of the greatest.
         let c = (f64::from(bits as u8 as i8) / 127.0).max(-1.0);

@@ -3,6 +3,7 @@
 
 mod api;
 mod bounces;
+mod bounces_twin;
 mod example;
 mod goals;
 mod harness;

@@ -30,7 +30,7 @@ pub fn full() -> Settings {
 }
 
 /// The tiers that the adapter has.
-fn tiers() -> Vec<RayTier> {
+pub fn tiers() -> Vec<RayTier> {
     let adapter = gpu::choose(std::env::var("WGPU_ADAPTER_NAME").ok().as_deref()).expect("tests need an adapter");
     if adapter.features().contains(QUERY_FEATURES) {
         return vec![RayTier::Software, RayTier::Query];

@@ -1,0 +1,359 @@
+//! Twin of `shaders/bounce.wgsl`: what a sample reflects and refracts, by every triangle of the scene.
+
+use super::rays::{self, Hit, Ray};
+use super::trace::{self, MARGIN};
+use super::{octahedral, resolve};
+use crate::rays::Attributes as VertexAttributes;
+use glam::{DAffine3, DVec2, DVec3, DVec4};
+
+/// What a frame traces and shades from. No mesh is masked.
+#[derive(Clone, Copy)]
+pub struct Input<'a> {
+    /// The G-buffer's depth and normals, the camera, the lights, and the triangles with their owners.
+    pub trace: &'a trace::Input<'a>,
+    /// The third colour target.
+    pub uv: &'a [[u32; 4]],
+    /// Samples along one side of a window.
+    pub m: u32,
+    /// Of each triangle of `trace`: see [`place`].
+    pub attributes: &'a [Attributes],
+    /// [`Needs::bounces`](crate::Needs::bounces).
+    pub bounces: &'a [u32],
+    /// Whether mirrored rays are traced, and refracted ones.
+    pub kinds: [bool; 2],
+    /// The host's `bounce`.
+    pub bounce: &'a dyn Fn(&Sample) -> Bounce,
+    /// The host's `shade`.
+    pub shade: &'a dyn Fn(&Sample) -> [f64; 4],
+    /// The host's `sky`.
+    pub sky: &'a dyn Fn(&Sample) -> [f64; 4],
+}
+
+/// What hits of a triangle are shaded from. World space.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Attributes {
+    /// On the triangle's front, of the lengths that the instance's transform gives them: so they are interpolated.
+    pub normals: [DVec3; 3],
+    /// Of the first vertex: a unit vector and the sign of the bitangent on the triangle's front.
+    pub tangent: DVec4,
+    /// Texture coordinates.
+    pub uvs: [DVec2; 3],
+    /// Of the instance.
+    pub material: u32,
+    /// Of the first vertex.
+    pub user: u32,
+}
+
+/// `DaaSample`, as far as the pass fills it in.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Sample {
+    /// World space.
+    pub position: DVec3,
+    /// Along the view direction; of what a ray met, along the ray. 0 for the sky.
+    pub depth: f64,
+    /// From the camera.
+    pub relative_position: DVec3,
+    /// Index of the host's.
+    pub material: u32,
+    /// Unit vector to where it is seen from.
+    pub view: DVec3,
+    /// Which object.
+    pub object: u32,
+    /// Unit normal of the triangle, on the side that is seen.
+    pub geometric_normal: DVec3,
+    /// The host's own 32 bits.
+    pub user: u32,
+    /// Unit interpolated normal.
+    pub normal: DVec3,
+    /// Bit i: light i does not reach it. 0 for samples of the G-buffer.
+    pub shadow: u32,
+    /// Unit tangent and the sign of the bitangent.
+    pub tangent: DVec4,
+    /// Texture coordinates.
+    pub uv: DVec2,
+    /// Of uv, along x.
+    pub ddx: DVec2,
+    /// Along y.
+    pub ddy: DVec2,
+    /// The output pixel.
+    pub pixel: [u32; 2],
+    /// Its place in the order of its window.
+    pub rank: u32,
+}
+
+/// `DaaBounce`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bounce {
+    /// Weight of what the mirrored ray meets; 0: none is traced.
+    pub reflection: DVec3,
+    /// Index of refraction of the inside over the outside.
+    pub ior: f64,
+    /// Weight of what the refracted ray meets; 0: none is traced.
+    pub refraction: DVec3,
+    /// World space, unit length.
+    pub normal: DVec3,
+}
+
+/// What the pass encodes, and whether rounding could have changed it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Secondary {
+    /// What arrives, weighted.
+    pub radiance: DVec3,
+    /// Mirrored and refracted rays. Without any the code is 0.
+    pub rays: [u32; 2],
+    /// No ray is within a share of 1e-4 of a triangle's edge, none runs along the triangle that it meets, and no angle is within
+    /// 1e-4 of one that decides.
+    pub sure: bool,
+}
+
+/// Surfaces of its own object that a refracted ray passes, at most.
+const MAX_PASSAGES: u32 = 4;
+
+/// `DaaCone`.
+#[derive(Debug, Clone, Copy)]
+struct Cone {
+    width: f64,
+    spread: f64,
+}
+
+impl Input<'_> {
+    /// Of the sample at G-buffer coordinates x, y, which has this rank.
+    pub fn secondary(&self, x: u32, y: u32, rank: u32) -> Secondary {
+        let mut out = Secondary { radiance: DVec3::ZERO, rays: [0; 2], sure: true };
+        let s = self.fetch(x, y, rank);
+        if s.depth == 0.0 || !self.bounces.contains(&s.material) {
+            return out;
+        }
+        let b = (self.bounce)(&s);
+        let cone = self.cone(x, y, &s);
+        let offset = self.trace.ray_offset(s.relative_position);
+        for (kind, weight) in [b.reflection, b.refraction].into_iter().enumerate() {
+            if !self.kinds[kind] || weight.max_element() <= 0.0 {
+                continue;
+            }
+            let (mut direction, side) = if kind == 0 {
+                ((-s.view).reflect(b.normal), 1.0)
+            } else {
+                (refract(-s.view, b.normal, 1.0 / b.ior.max(1e-3), &mut out.sure), -1.0)
+            };
+            if direction == DVec3::ZERO {
+                continue;
+            }
+            // A normal map may send a mirrored ray into the surface: along it then.
+            let into = direction.dot(s.geometric_normal);
+            out.sure &= kind == 1 || into.abs() > MARGIN;
+            if kind == 0 && into < 0.0 {
+                direction += s.geometric_normal * (0.02 - into);
+            }
+            let origin = s.relative_position + s.geometric_normal * (side * offset);
+            let ray = Ray { origin, direction: direction.normalize(), t_min: 0.0, t_max: 1e30 };
+            let inside = (kind == 1).then_some(b.ior);
+            out.radiance += weight * self.arriving(&s, ray, inside, cone, &mut out.sure);
+            out.rays[kind] += 1;
+        }
+        out.radiance = clean(out.radiance.extend(1.0).to_array());
+        out
+    }
+
+    /// `daa_fetch`.
+    fn fetch(&self, x: u32, y: u32, rank: u32) -> Sample {
+        let at = (y * self.trace.samples[0] + x) as usize;
+        let (surface, frame, uv) = (self.trace.surface[at], self.trace.frame[at], self.uv[at]);
+        let d = f64::from(self.trace.depth[at]);
+        let valid = d > 1e-30;
+        let centre = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
+        let relative = self.trace.relative_position(centre, if valid { d } else { 1.0 });
+        let camera = &self.trace.camera;
+        let forward = -camera.world_from_view.z_axis.truncate().as_dvec3().normalize();
+        let normal = octahedral::decode(surface[0]);
+        let float = |bits| f64::from(f32::from_bits(bits));
+        Sample {
+            position: relative + self.trace.eye(),
+            depth: if valid { relative.dot(forward) } else { 0.0 },
+            relative_position: relative,
+            material: surface[1] & 0xffff,
+            view: if self.orthographic() { -forward } else { -relative.normalize() },
+            object: surface[1] >> 16,
+            geometric_normal: trace::geometric_normal(frame[0]),
+            user: frame[1],
+            normal,
+            shadow: 0,
+            tangent: octahedral::tangent_decode(normal, frame[0] >> 16),
+            uv: DVec2::new(float(uv[0]), float(uv[1])),
+            ddx: halves(uv[2]),
+            ddy: halves(uv[3]),
+            pixel: [x / self.m, y / self.m],
+            rank,
+        }
+    }
+
+    fn orthographic(&self) -> bool {
+        self.trace.camera.clip_from_view.row(3) == glam::Vec4::W
+    }
+
+    fn cone(&self, x: u32, y: u32, s: &Sample) -> Cone {
+        let at = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
+        let here = self.trace.relative_position(at, 1.0);
+        let apart = (self.trace.relative_position(at + DVec2::X, 1.0) - here).length();
+        if self.orthographic() {
+            return Cone { width: apart, spread: 0.0 };
+        }
+        let spread = apart / here.length();
+        Cone { width: spread * s.relative_position.length(), spread }
+    }
+
+    /// `daa_met`: the surface that a ray from `of` met, and whether it is seen from the front.
+    fn met(&self, of: &Sample, ray: &Ray, hit: &Hit, cone: Cone) -> (Sample, bool) {
+        let a = &self.attributes[hit.triangle];
+        let (object, mirrored) = self.trace.objects[hit.triangle];
+        let [p0, p1, p2] = self.trace.triangles[hit.triangle];
+        let w = [1.0 - hit.barycentrics.x - hit.barycentrics.y, hit.barycentrics.x, hit.barycentrics.y];
+        // Corners run counterclockwise in the mesh's own space.
+        let front = hit.front != mirrored;
+        let side = if front { 1.0 } else { -1.0 };
+        let flat_normal = (p1 - p0).cross(p2 - p0);
+        let seen = if hit.front { flat_normal } else { -flat_normal };
+        let smooth_normal = a.normals[0] * w[0] + a.normals[1] * w[1] + a.normals[2] * w[2];
+        let normal = smooth_normal.normalize() * side;
+        let relative_position = ray.origin + ray.direction * hit.t;
+        let [d1, d2] = [a.uvs[1] - a.uvs[0], a.uvs[2] - a.uvs[0]];
+        let scale = (d1.perp_dot(d2).abs() / flat_normal.length()).sqrt();
+        let across = (cone.width + cone.spread * hit.t) / normal.dot(ray.direction).abs().max(0.05);
+        let footprint = (across * scale).min(65504.0);
+        let s = Sample {
+            position: relative_position + self.trace.eye(),
+            depth: hit.t,
+            relative_position,
+            material: a.material,
+            view: -ray.direction,
+            object,
+            geometric_normal: seen.normalize(),
+            user: a.user,
+            normal,
+            shadow: 0,
+            tangent: a.tangent.truncate().extend(a.tangent.w * side),
+            uv: a.uvs[0] + d1 * w[1] + d2 * w[2],
+            ddx: DVec2::new(footprint, 0.0),
+            ddy: DVec2::new(0.0, footprint),
+            ..*of
+        };
+        (s, front)
+    }
+
+    fn sky_towards(&self, of: &Sample, direction: DVec3) -> DVec3 {
+        let s = Sample {
+            view: -direction,
+            relative_position: direction,
+            position: direction + self.trace.eye(),
+            pixel: of.pixel,
+            rank: of.rank,
+            ..Sample::default()
+        };
+        clean((self.sky)(&s))
+    }
+
+    /// `daa_arriving`: what comes along a ray that leaves the sample `of`. One that is refracted has an index `inside`.
+    fn arriving(&self, of: &Sample, mut ray: Ray, inside: Option<f64>, mut cone: Cone, sure: &mut bool) -> DVec3 {
+        let end = if inside.is_some() { MAX_PASSAGES } else { 1 };
+        for i in 0..end {
+            let Some(hit) = self.first(&ray, sure) else {
+                return self.sky_towards(of, ray.direction);
+            };
+            let (mut s, front) = self.met(of, &ray, &hit, cone);
+            if let Some(ior) = inside
+                && s.object == of.object
+                && !front
+                && i + 1 < end
+            {
+                // Out again, or back inside where the angle is too flat.
+                let out = refract(ray.direction, s.normal, ior, sure);
+                let leaves = out != DVec3::ZERO;
+                ray.direction = if leaves { out } else { ray.direction.reflect(s.normal) }.normalize();
+                let offset = self.trace.ray_offset(s.relative_position) * if leaves { -1.0 } else { 1.0 };
+                ray.origin = s.relative_position + s.geometric_normal * offset;
+                cone.width += cone.spread * hit.t;
+                continue;
+            }
+            let bits = self.trace.bits_at(s.relative_position, s.normal, s.geometric_normal, s.object);
+            *sure &= bits.sure.trailing_ones() as usize >= self.trace.lights.len();
+            s.shadow = bits.shadow;
+            return clean((self.shade)(&s));
+        }
+        DVec3::ZERO
+    }
+
+    /// The first triangle that the ray meets.
+    fn first(&self, ray: &Ray, sure: &mut bool) -> Option<Hit> {
+        let triangles = self.trace.triangles;
+        let hit = rays::closest(ray, triangles);
+        // What the origin itself lies on, in the corner of two walls, say.
+        let near = ray.origin.length() * 1e-6;
+        let from_before = Ray { t_min: -near, ..*ray };
+        *sure &= rays::closest(&from_before, triangles) == hit && hit.is_none_or(|hit| hit.t > near);
+        // What lies behind the hit does not matter.
+        let to_hit = Ray { t_max: hit.map_or(ray.t_max, |hit| hit.t), ..from_before };
+        *sure &= triangles.iter().enumerate().all(|(i, triangle)| {
+            let ray = if hit.is_some_and(|hit| hit.triangle == i) { &from_before } else { &to_hit };
+            rays::margin(ray, std::slice::from_ref(triangle)) > MARGIN
+        });
+        if let Some(hit) = &hit {
+            // A ray that runs along a triangle meets it where rounding says.
+            let [a, b, c] = triangles[hit.triangle];
+            let normal = (b - a).cross(c - a);
+            let slips = near * normal.length() / normal.dot(ray.direction).abs();
+            *sure &= slips < 10.0 * MARGIN * normal.length().sqrt();
+        }
+        hit
+    }
+}
+
+/// WGSL's: 0 where everything is reflected.
+fn refract(direction: DVec3, normal: DVec3, eta: f64, sure: &mut bool) -> DVec3 {
+    let along = normal.dot(direction);
+    *sure &= (1.0 - eta * eta * (1.0 - along * along)).abs() > MARGIN;
+    direction.refract(normal, eta)
+}
+
+/// `daa_clean`, without alpha.
+fn clean(c: [f64; 4]) -> DVec3 {
+    DVec4::from(resolve::clean(c)).truncate()
+}
+
+/// `unpack2x16float`, of finite halves.
+fn halves(bits: u32) -> DVec2 {
+    let half = |bits: u32| {
+        let (sign, exponent, mantissa) = (bits >> 15 & 1, bits >> 10 & 31, f64::from(bits & 0x3ff));
+        let magnitude = match exponent {
+            0 => mantissa * 2f64.powi(-24),
+            e => (1024.0 + mantissa) * 2f64.powi(e as i32 - 25),
+        };
+        if sign == 0 { magnitude } else { -magnitude }
+    };
+    DVec2::new(half(bits), half(bits >> 16))
+}
+
+/// The attributes of a mesh's triangles where an instance puts them, in the order of [`rays::place`].
+pub fn place(attributes: &[VertexAttributes], indices: &[u32], world: DAffine3, material: u32) -> Vec<Attributes> {
+    let back = world.matrix3.inverse().transpose();
+    // As stored: codes for normals, tangents about the normals that these decode to.
+    let stored = |i: u32| octahedral::decode(octahedral::encode(attributes[i as usize].normal.map(f64::from).into()));
+    let of = |t: &[u32; 3]| {
+        let first = &attributes[t[0] as usize];
+        let n = stored(t[0]);
+        let [x, y, z, w] = first.tangent.map(f64::from);
+        let t0 = DVec3::new(x, y, z);
+        let tangent = (t0 - n * n.dot(t0)).normalize();
+        // A bitangent goes with the surface: where that mirrors it, another sign makes it from N and T.
+        let bitangent = world.matrix3 * (n.cross(tangent) * w);
+        let along = (world.matrix3 * tangent).normalize();
+        let sign = bitangent.dot((back * n).cross(along)).signum();
+        Attributes {
+            normals: t.map(|i| back * stored(i)),
+            tangent: along.extend(sign),
+            uvs: t.map(|i| DVec2::from(attributes[i as usize].uv.map(f64::from))),
+            material,
+            user: first.user,
+        }
+    };
+    indices.as_chunks::<3>().0.iter().map(of).collect()
+}
