@@ -34,6 +34,8 @@ struct DaaFrame {
     luminance_edge: f32,
     /// k of a window that holds more than one material or object; 0 switches it off.
     identity_samples: f32,
+    /// k of a window whose shadow bits differ from a neighbour's; 0 switches it off.
+    shadow_samples: f32,
     /// Tiles that want more than this many samples beyond the first fall back to k = 1.
     tile_limit: u32,
     /// Texture footprint of a shaded sample over that of the samples that it stands for.

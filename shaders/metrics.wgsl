@@ -10,6 +10,7 @@ const DAA_BY_NORMAL: u32 = 2u;
 const DAA_BY_LUMINANCE: u32 = 3u;
 const DAA_BY_IDENTITY: u32 = 4u;
 const DAA_BY_LEAST: u32 = 5u;
+const DAA_BY_SHADOW: u32 = 6u;
 
 /// The window's depths with one more around it, (m + 2)² in reading order; 0 for the sky. Read once: three metrics ask.
 var<private> daa_depths: array<f32, 100>;
@@ -139,6 +140,20 @@ fn daa_mixed_identity(corner: vec2u) -> bool {
     return mixed;
 }
 
+/// Whether other lights reach the window's first sample than reach a direct neighbour's. The sky is in no shadow and says nothing.
+fn daa_mixed_shadow(pixel: vec2i) -> bool {
+    let last = vec2i(daa_frame.size) - 1;
+    let bits = daa_shadow_bits(vec2u(pixel), 0u);
+    var mixed = false;
+    for (var i = 0; i < 4; i++) {
+        let step = select(vec2i(i - 2, 0), vec2i(0, i - 1), (i & 1) == 0);
+        let at = vec2u(clamp(pixel + step, vec2i(0), last));
+        let surface = textureLoad(daa_gbuffer_depth, at * DAA_M + daa_order(0u), 0) > DAA_SKY_DEPTH;
+        mixed = mixed || (surface && daa_shadow_bits(at, 0u) != bits);
+    }
+    return mixed && textureLoad(daa_gbuffer_depth, vec2u(pixel) * DAA_M + daa_order(0u), 0) > DAA_SKY_DEPTH;
+}
+
 /// Luminance as the luminance metric sees it: exposed, and on request on a curve like a display's, x/(1+x) and a
 /// square root.
 fn daa_metric_luminance(pixel: vec2i) -> f32 {
@@ -206,6 +221,11 @@ fn daa_metrics_main(
     if daa_frame.identity_samples > 0.0 && daa_mixed_identity(corner) {
         let wanted = daa_frame.identity_samples;
         by = select(by, DAA_BY_IDENTITY, wanted > k);
+        k = max(k, wanted);
+    }
+    if daa_frame.shadow_samples > 0.0 && daa_mixed_shadow(vec2i(id.xy)) {
+        let wanted = daa_frame.shadow_samples;
+        by = select(by, DAA_BY_SHADOW, wanted > k);
         k = max(k, wanted);
     }
     if !all_sky {

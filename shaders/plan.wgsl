@@ -8,7 +8,7 @@
 @group(3) @binding(2) var<storage, read_write> daa_statistics: DaaStatistics;
 
 var<workgroup> daa_group_histogram: array<atomic<u32>, 64>;
-var<workgroup> daa_group_decided: array<atomic<u32>, 6>;
+var<workgroup> daa_group_decided: array<atomic<u32>, 7>;
 
 /// A lane plans a tile: most tiles have little to add, and a tile's list needs no barrier this way.
 @compute @workgroup_size(64)
@@ -50,7 +50,7 @@ fn daa_plan_main(@builtin(global_invocation_id) id: vec3u, @builtin(local_invoca
     if windows > 0u {
         atomicAdd(&daa_statistics.histogram[lane], windows);
     }
-    if lane < 6u {
+    if lane < 7u {
         let decided = atomicLoad(&daa_group_decided[lane]);
         if decided > 0u {
             atomicAdd(&daa_statistics.decided[lane], decided);

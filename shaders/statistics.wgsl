@@ -9,8 +9,8 @@ struct DaaStatistics {
     negative: atomic<u32>,
     /// Tiles that wanted more samples than the limit and fell back to k = 1.
     overflowed_tiles: atomic<u32>,
-    /// Windows whose k was decided by: nothing, depth, normal, luminance, identity, the least allowed.
-    decided: array<atomic<u32>, 6>,
+    /// Windows whose k was decided by: nothing, depth, normal, luminance, identity, the least allowed, shadow.
+    decided: array<atomic<u32>, 7>,
     /// Rays towards lights.
     shadow_rays: atomic<u32>,
     /// Rays from mirrors.

@@ -37,9 +37,9 @@ fn daa_view_fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
         case 1u: { // Count
             c = daa_heat(log2(f32(max(plan & 0xffu, 1u))) / max(log2(f32(DAA_M * DAA_M)), 1.0));
         }
-        case 2u: { // Decided: black nothing, red depth, green normal, blue luminance, yellow identity
+        case 2u: { // Decided: black nothing, red depth, green normal, blue luminance, yellow identity, cyan shadow
             let by = (plan >> 8u) & 0xffu;
-            c = select(vec3f(f32(by == 1u || by == 4u), f32(by == 2u || by == 4u), f32(by == 3u)), vec3f(0.0), by == 0u);
+            c = vec3f(f32(by == 1u || by == 4u), f32(by == 2u || by == 4u || by == 6u), f32(by == 3u || by == 6u));
         }
         case 3u: { // First
             let first = textureLoad(daa_first, pixel, 0).rgb * daa_frame.exposure;

@@ -76,6 +76,7 @@ pub(crate) struct FrameUniform {
     pub luminance_min: f32,
     pub luminance_edge: f32,
     pub identity_samples: f32,
+    pub shadow_samples: f32,
     pub tile_limit: u32,
     pub footprint: f32,
     pub view: u32,
@@ -90,6 +91,7 @@ pub(crate) struct FrameUniform {
     pub reconstruct_contrast: f32,
     pub reconstruct_contrast_min: f32,
     pub reconstruct_least: f32,
+    pub padding: [u32; 3],
     pub order: [[u32; 4]; 16],
     pub centres: [[f32; 4]; 32],
 }
@@ -171,6 +173,7 @@ impl FrameUniform {
             luminance_min: w.luminance_min,
             luminance_edge: w.luminance_edge,
             identity_samples: w.identity_samples,
+            shadow_samples: w.shadow_samples,
             tile_limit: w.tile_limit,
             footprint: match frame.settings.technique {
                 Technique::Windowed => w.footprint,
@@ -189,6 +192,7 @@ impl FrameUniform {
             reconstruct_contrast: r.contrast_scale * m as f32 / 4.0,
             reconstruct_contrast_min: r.contrast_min,
             reconstruct_least: r.least_weight,
+            padding: [0; 3],
             order,
             centres,
         })

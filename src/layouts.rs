@@ -96,6 +96,7 @@ fn every_joined_module_is_sound_and_has_the_frame() {
         luminance_min,
         luminance_edge,
         identity_samples,
+        shadow_samples,
         tile_limit,
         view,
         least_samples,
@@ -109,6 +110,7 @@ fn every_joined_module_is_sound_and_has_the_frame() {
         reconstruct_contrast,
         reconstruct_contrast_min,
         reconstruct_least,
+        padding,
         footprint,
         order,
         centres,
@@ -192,13 +194,14 @@ fn deciding_metrics_are_the_shaders() {
         ("LUMINANCE", By::Luminance),
         ("IDENTITY", By::Identity),
         ("LEAST", By::Least),
+        ("SHADOW", By::Shadow),
     ];
     for (name, by) in all {
         assert_eq!(constant(&module, &format!("DAA_BY_{name}")), by as u32, "{name}");
     }
     let named = module.constants.iter().filter(|(_, c)| c.name.as_deref().is_some_and(|n| n.starts_with("DAA_BY_")));
     assert_eq!(named.count(), all.len());
-    assert_eq!(size_of_val(&Counters { decided: [0; 6], ..bytemuck::Zeroable::zeroed() }.decided) / 4, all.len());
+    assert_eq!(size_of_val(&Counters { decided: [0; 7], ..bytemuck::Zeroable::zeroed() }.decided) / 4, all.len());
 }
 
 /// `case 5u: { … } // Normal`: the comment is the variant, so that a case moved alone shows.

@@ -1,5 +1,6 @@
 //! metrics: how many samples each window is worth.
 
+use crate::effects::Traced;
 use crate::error::PipelineError;
 use crate::pipeline::{Build, Lazy, PassInfo, Resource, entry};
 use crate::scratch::Scratch;
@@ -8,10 +9,14 @@ use crate::wgsl;
 pub(crate) const INFO: PassInfo =
     PassInfo { name: "metrics", reads: &[Resource::GBuffer, Resource::First], writes: &[Resource::Counts] };
 
+/// Where something was traced.
+pub(crate) const INFO_TRACED: PassInfo =
+    PassInfo { reads: &[Resource::GBuffer, Resource::First, Resource::Traced], ..INFO };
+
 #[derive(Debug)]
 pub(crate) struct Metrics {
     layout: wgpu::BindGroupLayout,
-    pipeline: Lazy<wgpu::ComputePipeline>,
+    pipelines: [Lazy<wgpu::ComputePipeline>; Traced::COUNT],
 }
 
 impl Metrics {
@@ -21,7 +26,7 @@ impl Metrics {
             label: Some("daa metrics"),
             entries: &[entry::texture(0, compute), entry::buffer(1, compute, false)],
         });
-        Self { layout, pipeline: Lazy::default() }
+        Self { layout, pipelines: Default::default() }
     }
 
     pub fn bind(&self, device: &wgpu::Device, scratch: &Scratch) -> wgpu::BindGroup {
@@ -35,10 +40,10 @@ impl Metrics {
         })
     }
 
-    pub fn pipeline(&self, build: &Build) -> Result<&wgpu::ComputePipeline, PipelineError> {
-        self.pipeline.get(|| {
-            let source = wgsl::join_plain(include_str!("../shaders/metrics.wgsl"));
-            build.compute(INFO.name, source, "daa_metrics_main", &self.layout, None)
+    pub fn pipeline(&self, build: &Build, traced: Traced) -> Result<&wgpu::ComputePipeline, PipelineError> {
+        self.pipelines[traced.index()].get(|| {
+            let source = wgsl::join_traced_plain(include_str!("../shaders/metrics.wgsl"), traced);
+            build.compute_plain(INFO.name, source, "daa_metrics_main", &self.layout, traced)
         })
     }
 }

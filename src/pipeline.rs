@@ -82,9 +82,9 @@ impl<T> Lazy<T> {
 }
 
 impl Build {
-    fn layout(&self, own: &wgpu::BindGroupLayout, host: Option<Traced>) -> wgpu::PipelineLayout {
-        let frame = &self.frame_layouts[host.unwrap_or_default().index()];
-        let host = |layout: &'_ Option<wgpu::BindGroupLayout>| layout.clone().filter(|_| host.is_some());
+    fn layout(&self, own: &wgpu::BindGroupLayout, traced: Traced, hosts: bool) -> wgpu::PipelineLayout {
+        let frame = &self.frame_layouts[traced.index()];
+        let host = |layout: &'_ Option<wgpu::BindGroupLayout>| layout.clone().filter(|_| hosts);
         let (table, host) = (host(&self.table_layout), host(&self.host_layout));
         self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("daa"),
@@ -112,7 +112,19 @@ impl Build {
         self.compute_with(pass, source, entry, own, host, &[])
     }
 
-    /// The same, with values for the pass's own `override` constants.
+    /// Without the host's source, on samples that bring this along.
+    pub fn compute_plain(
+        &self,
+        pass: &'static str,
+        source: String,
+        entry: &str,
+        own: &wgpu::BindGroupLayout,
+        traced: Traced,
+    ) -> Result<wgpu::ComputePipeline, PipelineError> {
+        self.compute_on(pass, source, entry, &self.layout(own, traced, false), true, &[])
+    }
+
+    /// [`compute`](Self::compute) with values for the pass's own `override` constants.
     pub fn compute_with(
         &self,
         pass: &'static str,
@@ -122,19 +134,32 @@ impl Build {
         host: Option<Traced>,
         constants: &[(&str, f64)],
     ) -> Result<wgpu::ComputePipeline, PipelineError> {
+        let layout = self.layout(own, host.unwrap_or_default(), host.is_some());
+        // Only `plan` counts up from 0; what `shade` reads it has written.
+        self.compute_on(pass, source, entry, &layout, host.is_none(), constants)
+    }
+
+    fn compute_on(
+        &self,
+        pass: &'static str,
+        source: String,
+        entry: &str,
+        layout: &wgpu::PipelineLayout,
+        zeroed: bool,
+        constants: &[(&str, f64)],
+    ) -> Result<wgpu::ComputePipeline, PipelineError> {
         let m = [("DAA_M", f64::from(self.m))];
         let constants = [&m[..], constants].concat();
         self.checked(pass, || {
             let module = self.module(pass, source);
             self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                 label: Some(pass),
-                layout: Some(&self.layout(own, host)),
+                layout: Some(layout),
                 module: &module,
                 entry_point: Some(entry),
                 compilation_options: wgpu::PipelineCompilationOptions {
                     constants: &constants,
-                    // Only `plan` counts up from 0; what `shade` reads it has written.
-                    zero_initialize_workgroup_memory: host.is_none(),
+                    zero_initialize_workgroup_memory: zeroed,
                 },
                 cache: None,
             })
@@ -155,7 +180,7 @@ impl Build {
             let compilation_options = wgpu::PipelineCompilationOptions { constants, ..Default::default() };
             self.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
                 label: Some(pass),
-                layout: Some(&self.layout(own, None)),
+                layout: Some(&self.layout(own, Traced::default(), false)),
                 vertex: wgpu::VertexState {
                     module: &module,
                     entry_point: Some(entries[0]),

@@ -225,6 +225,9 @@ pub struct Windowed {
     /// Samples for a window with more than one material or object, 0 to 64. Higher: better edges between coplanar
     /// materials; 0: off. Not in the paper.
     pub identity_samples: f32,
+    /// Samples for a window whose first sample is lit by other casting lights than a direct neighbour's, where shadows are traced,
+    /// 0 to 64. Higher: better edges of faint shadows; 0: off, and shadows are seen by their luminance alone. Not in the paper.
+    pub shadow_samples: f32,
     /// k of every window that is not all sky is at least this, 1 to 64. Higher: better where the metrics see nothing, at a
     /// cost everywhere; n: full supersampling. Not in the paper.
     pub least_samples: f32,
@@ -288,7 +291,7 @@ pub enum DebugView {
     Image = 0,
     /// k, on a log scale: 1 black, through red and yellow, n white.
     Count = 1,
-    /// The metric that decided k: black none, red depth, green normal, blue luminance, yellow identity.
+    /// The metric that decided k: black none, red depth, green normal, blue luminance, yellow identity, cyan shadow.
     Decided = 2,
     /// The first samples S, exposed, c/(1+c).
     First = 3,
@@ -345,6 +348,7 @@ impl Windowed {
         luminance: LuminanceCurve::Perceptual,
         luminance_centre: false,
         identity_samples: 0.0,
+        shadow_samples: 0.0,
         least_samples: 1.0,
         footprint: 1.0,
         centred: false,
@@ -367,6 +371,7 @@ impl Windowed {
         luminance: LuminanceCurve::Perceptual,
         luminance_centre: true,
         identity_samples: 0.0,
+        shadow_samples: 8.0,
         least_samples: 1.0,
         footprint: 1.0,
         centred: true,
@@ -390,6 +395,7 @@ impl Windowed {
             luminance_min: self.luminance_min * threshold,
             luminance_edge: self.luminance_edge * threshold,
             identity_samples: (self.identity_samples * scale).min(64.0),
+            shadow_samples: (self.shadow_samples * scale).min(64.0),
             least_samples: self.least_samples.max(least),
             ..self
         }
@@ -477,6 +483,7 @@ impl Settings {
             ("windowed.luminance_min", w.luminance_min, 0.0, 1e6),
             ("windowed.luminance_edge", w.luminance_edge, 0.0, 1.0),
             ("windowed.identity_samples", w.identity_samples, 0.0, 64.0),
+            ("windowed.shadow_samples", w.shadow_samples, 0.0, 64.0),
             ("windowed.least_samples", w.least_samples, 1.0, 64.0),
             ("windowed.footprint", w.footprint, 0.0, 4.0),
             ("reconstructed.depth_scale", self.reconstructed.depth_scale, 0.0, 1e6),

@@ -15,7 +15,7 @@ pub(crate) struct Counters {
     pub not_finite: u32,
     pub negative: u32,
     pub overflowed_tiles: u32,
-    pub decided: [u32; 6],
+    pub decided: [u32; 7],
     pub shadow_rays: u32,
     pub reflection_rays: u32,
     pub refraction_rays: u32,
@@ -50,8 +50,8 @@ pub struct Statistics {
     pub mean_k: f64,
     /// Windows by k: `histogram_k[0]` had k = 1. As long as n.
     pub histogram_k: Vec<u32>,
-    /// Windows whose k was decided by nothing (k = 1), depth, normal, luminance, identity, the least allowed.
-    pub decided: [u32; 6],
+    /// Windows whose k was decided by nothing (k = 1), depth, normal, luminance, identity, the least allowed, shadow.
+    pub decided: [u32; 7],
     /// Samples that came back from the host's code with NaN or infinity, and were shaded black.
     pub not_finite: u32,
     /// Samples that came back with a negative component, and were clamped to 0.
@@ -268,10 +268,10 @@ fn read(bytes: &[u8], recorded: &Recorded, nanoseconds_per_tick: Option<f64>) ->
         let k = if recorded.technique == Technique::Full { n } else { 1 };
         histogram_k = vec![0; n];
         histogram_k[k - 1] = windows as u32;
-        decided = [windows as u32, 0, 0, 0, 0, 0];
+        decided = [windows as u32, 0, 0, 0, 0, 0, 0];
     }
     if recorded.technique == Technique::Reconstructed {
-        decided = [windows as u32, 0, 0, 0, 0, 0];
+        decided = [windows as u32, 0, 0, 0, 0, 0, 0];
     }
     let shaded = histogram_k.iter().zip(1u64..).map(|(&windows, k)| u64::from(windows) * k).sum();
     let ticks: Vec<u64> =

@@ -230,13 +230,18 @@ impl HostSource {
 
 /// A module of the crate's own that only reads the G-buffer.
 pub(crate) fn join_plain(pass: &str) -> String {
+    join_traced_plain(pass, Traced::default())
+}
+
+/// The same, with what was traced.
+pub(crate) fn join_traced_plain(pass: &str, traced: Traced) -> String {
     join(&[
         chunk::CONTRACT,
         chunk::OCTAHEDRAL,
         chunk::SAMPLE,
         chunk::SHARED_EXPONENT,
-        chunk::SHADOWS_NONE,
-        chunk::SECONDARY_NONE,
+        if traced.shadows { chunk::SHADOWS } else { chunk::SHADOWS_NONE },
+        if traced.secondary { chunk::SECONDARY } else { chunk::SECONDARY_NONE },
         chunk::STATISTICS,
         pass,
     ])

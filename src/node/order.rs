@@ -116,9 +116,9 @@ impl Step {
         (step, of)
     }
 
-    /// Whether it shades the frame's samples, which bring along what was traced.
+    /// Whether it shades the frame's samples, or judges them, which bring along what was traced.
     pub fn reads_traced(self) -> bool {
-        self.shades() && !matches!(self, Self::Bounce(_))
+        self == Self::Metrics || (self.shades() && !matches!(self, Self::Bounce(_)))
     }
 
     pub fn info(self, traced: Traced) -> PassInfo {
@@ -129,6 +129,7 @@ impl Step {
             Self::Bounce(samples) => bounce::info(samples),
             Self::First if traced => first::INFO_TRACED,
             Self::First => first::INFO,
+            Self::Metrics if traced => metrics::INFO_TRACED,
             Self::Metrics => metrics::INFO,
             Self::MaxFilter => max_filter::INFO,
             Self::Plan => plan::INFO,

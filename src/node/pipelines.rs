@@ -145,7 +145,7 @@ impl Pipelines {
                 tracing.bounce.pipeline(build, tracing.tier)?;
             }
             Step::First => drop(self.first.pipeline(build, traced)?),
-            Step::Metrics => drop(self.metrics.pipeline(build)?),
+            Step::Metrics => drop(self.metrics.pipeline(build, traced)?),
             Step::MaxFilter => drop(self.max_filter.pipeline(build)?),
             Step::Plan => drop(self.plan.pipeline(build)?),
             Step::List(kind) => self.lists.warm_up(build, kind)?,

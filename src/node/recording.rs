@@ -107,7 +107,7 @@ impl Recording<'_> {
                 return compute.dispatch_workgroups_indirect(&traces.tiles, Traces::groups_at(class));
             }
             Step::First => (own.first.pipeline(build, set), &sized.first, tiles),
-            Step::Metrics => (own.metrics.pipeline(build), &sized.metrics, tiles),
+            Step::Metrics => (own.metrics.pipeline(build, set), &sized.metrics, tiles),
             Step::MaxFilter => {
                 let groups = size.map(|side| side.div_ceil(max_filter::REACH));
                 (own.max_filter.pipeline(build), &sized.max_filter, groups)

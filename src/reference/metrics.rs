@@ -26,6 +26,8 @@ pub enum By {
     Identity = 4,
     /// The least k allowed.
     Least = 5,
+    /// The lights that reach it.
+    Shadow = 6,
 }
 
 /// What the metrics read.
@@ -43,6 +45,8 @@ pub struct Input<'a> {
     pub surface: &'a [[u32; 2]],
     /// S, width × height.
     pub first: &'a [[f32; 4]],
+    /// The shadow bits of the first samples, width × height; empty where nothing was traced.
+    pub shadow: &'a [u32],
     /// [`Frame::exposure`](crate::Frame::exposure).
     pub exposure: f32,
 }
@@ -170,6 +174,22 @@ impl Input<'_> {
         all.any(|i| Some(i) != first)
     }
 
+    /// The first sample and a direct neighbour's are lit by different lights; the sky says nothing.
+    pub fn mixed_shadow(&self, px: usize, py: usize) -> bool {
+        let corner = |x: usize, y: usize| {
+            let (dx, dy) = crate::window::order(self.m as u32)[0];
+            !self.is_sky(x * self.m + dx as usize, y * self.m + dy as usize)
+        };
+        let bits = |x: usize, y: usize| self.shadow.get(y * self.width + x).copied().unwrap_or(0);
+        let around = [
+            (px.saturating_sub(1), py),
+            ((px + 1).min(self.width - 1), py),
+            (px, py.saturating_sub(1)),
+            (px, (py + 1).min(self.height - 1)),
+        ];
+        corner(px, py) && around.into_iter().any(|(x, y)| corner(x, y) && bits(x, y) != bits(px, py))
+    }
+
     /// k of a window: the greatest of all metrics.
     pub fn worth(&self, px: usize, py: usize, w: &Windowed) -> Worth {
         let n = (self.m * self.m) as f64;
@@ -197,6 +217,9 @@ impl Input<'_> {
         }
         if w.identity_samples > 0.0 && self.mixed_identity(px, py) {
             ask(f64::from(w.identity_samples), By::Identity);
+        }
+        if w.shadow_samples > 0.0 && self.mixed_shadow(px, py) {
+            ask(f64::from(w.shadow_samples), By::Shadow);
         }
         if !all_sky {
             ask(f64::from(w.least_samples), By::Least);

@@ -364,13 +364,14 @@ fn record_refuses_what_has_no_picture() {
 #[test]
 fn settings_name_the_field() {
     type Set = fn(&mut Windowed, f32);
-    let fields: [(&str, f32, Set); 6] = [
+    let fields: [(&str, f32, Set); 7] = [
         ("windowed.depth_scale", 1e9, |w, v| w.depth_scale = v),
         ("windowed.normal_scale", 1e6, |w, v| w.normal_scale = v),
         ("windowed.luminance_scale", 1e6, |w, v| w.luminance_scale = v),
         ("windowed.luminance_min", 1e6, |w, v| w.luminance_min = v),
         ("windowed.luminance_edge", 1.0, |w, v| w.luminance_edge = v),
         ("windowed.identity_samples", 64.0, |w, v| w.identity_samples = v),
+        ("windowed.shadow_samples", 64.0, |w, v| w.shadow_samples = v),
     ];
     for (field, most, set) in fields {
         let with = |value| {

@@ -214,6 +214,7 @@ impl Rig {
             depth: &depth,
             surface: &surface,
             first: &first,
+            shadow: &[],
             exposure: self.exposure,
         })
     }

@@ -938,13 +938,14 @@ fn ends() -> Vec<Windowed> {
     let mut all = Vec::new();
     for preset in presets() {
         type Change = fn(&mut Windowed, bool);
-        let fields: [Change; 14] = [
+        let fields: [Change; 15] = [
             |w, most| w.depth_scale = if most { 1e9 } else { 0.0 },
             |w, most| w.normal_scale = if most { 1e6 } else { 0.0 },
             |w, most| w.luminance_scale = if most { 1e6 } else { 0.0 },
             |w, most| w.luminance_min = if most { 1e6 } else { 0.0 },
             |w, most| w.luminance_edge = if most { 1.0 } else { 0.0 },
             |w, most| w.identity_samples = if most { 64.0 } else { 0.0 },
+            |w, most| w.shadow_samples = if most { 64.0 } else { 0.0 },
             |w, most| w.tile_limit = if most { Windowed::NO_TILE_LIMIT } else { 0 },
             |w, most| w.depth = if most { DepthMeasure::Variance } else { DepthMeasure::Discontinuity },
             |w, most| w.two_sided = most,
@@ -1006,13 +1007,14 @@ fn row_22_beyond_the_ends_the_field_is_named() {
     let mut rig = Rig::new(2, 4, 4, WHITE);
     rig.fill(|_, _| Sample::default());
     type Field = (&'static str, f32, fn(&mut Windowed) -> &mut f32);
-    let fields: [Field; 7] = [
+    let fields: [Field; 8] = [
         ("windowed.depth_scale", 1e9, |w| &mut w.depth_scale),
         ("windowed.normal_scale", 1e6, |w| &mut w.normal_scale),
         ("windowed.luminance_scale", 1e6, |w| &mut w.luminance_scale),
         ("windowed.luminance_min", 1e6, |w| &mut w.luminance_min),
         ("windowed.luminance_edge", 1.0, |w| &mut w.luminance_edge),
         ("windowed.identity_samples", 64.0, |w| &mut w.identity_samples),
+        ("windowed.shadow_samples", 64.0, |w| &mut w.shadow_samples),
         ("windowed.footprint", 4.0, |w| &mut w.footprint),
     ];
     for (name, most, field) in fields {

@@ -45,8 +45,12 @@ fn with_input<T>(host: &Host, use_it: impl FnOnce(&Input<'_>) -> T) -> T {
     let gbuffer = host.aa.gbuffer().expect("a size");
     let depth: Vec<f32> = bytemuck::pod_collect_to_vec(&host.gpu.read_texture(gbuffer.depth.texture(), 4));
     let surface: Vec<[u32; 2]> = bytemuck::pod_collect_to_vec(&host.gpu.read_texture(gbuffer.color[0].texture(), 8));
-    let first = host.aa.intermediates().expect("a size").first;
-    let first: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(&host.gpu.read_texture(first, 16));
+    let passed = host.aa.intermediates().expect("a size");
+    let first: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(&host.gpu.read_texture(passed.first, 16));
+    let bits: Vec<u32> =
+        passed.shadows.map_or(Vec::new(), |buffer| bytemuck::pod_collect_to_vec(&host.gpu.read_buffer(buffer)));
+    let pixels = (0..host.options.height).flat_map(|y| (0..host.options.width).map(move |x| (x, y)));
+    let shadow: Vec<u32> = pixels.filter_map(|(x, y)| bits.get(passed.plan_index(x, y)).copied()).collect();
     use_it(&Input {
         m: host.aa.m() as usize,
         width: host.options.width as usize,
@@ -54,6 +58,7 @@ fn with_input<T>(host: &Host, use_it: impl FnOnce(&Input<'_>) -> T) -> T {
         depth: &depth,
         surface: &surface,
         first: &first,
+        shadow: &shadow,
         exposure: 1.0,
     })
 }

@@ -141,7 +141,7 @@ fn what_is_not_needed_is_not_there() {
 fn techniques_trace_what_they_shade() {
     let scene = builtin::builtin("shadows").unwrap();
     let camera = scene.default_camera();
-    let mut host = host(scene, 4, [64, 36]);
+    let mut host = host(scene, 4, [128, 72]);
     let of_full = host.frame(&camera, full()).unwrap().statistics;
     let all = bits(&host);
     for execution in Execution::ALL {

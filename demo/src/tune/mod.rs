@@ -42,6 +42,7 @@ pub const START: Windowed = Windowed {
     luminance: LuminanceCurve::Perceptual,
     luminance_centre: true,
     identity_samples: 0.0,
+    shadow_samples: 8.0,
     least_samples: 1.0,
     footprint: 0.6,
     centred: true,
