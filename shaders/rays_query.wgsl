@@ -15,8 +15,10 @@ fn daa_trace(ray: DaaRay, any: bool, through: u32) -> DaaHit {
     }
     // Only triangles that are not opaque are asked about.
     let flags = select(0u, DAA_RAY_TERMINATE_ON_FIRST_HIT, any) | select(0u, DAA_RAY_FORCE_NO_OPAQUE, through != DAA_MISS);
+    // A top level of the host's own lies in the world.
+    let origin = ray.origin + bitcast<vec3f>(daa_ray_top[1].xyz);
     var query: ray_query;
-    rayQueryInitialize(&query, daa_ray_tlas, RayDesc(flags, 0xffu, ray.t_min, ray.t_max, ray.origin, ray.direction));
+    rayQueryInitialize(&query, daa_ray_tlas, RayDesc(flags, 0xffu, ray.t_min, ray.t_max, origin, ray.direction));
     while rayQueryProceed(&query) {
         let found = rayQueryGetCandidateIntersection(&query);
         if found.kind != RAY_QUERY_INTERSECTION_TRIANGLE {

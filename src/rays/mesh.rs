@@ -104,6 +104,15 @@ impl BottomLevel {
         self.triangles.len() as u32
     }
 
+    /// Triangles by their numbers: vertices, number. Those that were left out meet no ray.
+    pub(super) fn as_they_were(&self) -> Vec<[u32; 4]> {
+        let mut all: Vec<_> = (0..self.triangles() + self.dropped()).map(|id| [0, 0, 0, id]).collect();
+        for &triangle in &self.triangles {
+            all[triangle[3] as usize] = triangle;
+        }
+        all
+    }
+
     /// Bytes on the GPU of nodes and triangles, without the vertices.
     pub fn bytes(&self) -> u64 {
         (size_of_val(&self.nodes[..]) + size_of_val(&self.triangles[..])) as u64

@@ -129,6 +129,9 @@ pub enum RayError {
         /// Most.
         limit: usize,
     },
+    /// A top level of the host's own where WGSL traces.
+    #[error("a top level of the host's own can only be traced by RayTier::Query; use RayScene::update")]
+    HostTopLevel,
     /// More than shaders can tell apart.
     #[error("{instances} instances; a frame traces at most {limit}")]
     Instances {

@@ -40,12 +40,13 @@ impl Structures {
         encoder: &mut wgpu::CommandEncoder,
         mesh: &BottomLevel,
     ) -> Result<(), RayError> {
-        let (count, limit) = (mesh.triangles(), device.limits().max_blas_primitive_count);
+        let triangles = mesh.as_they_were();
+        let (count, limit) = (triangles.len() as u32, device.limits().max_blas_primitive_count);
         if count > limit {
             let what = "triangles of a mesh";
             return Err(RayError::Structures { what, count: count as usize, limit: limit as usize });
         }
-        if count == 0 {
+        if mesh.triangles() == 0 {
             self.bottom.push(None);
             return Ok(());
         }
@@ -61,8 +62,8 @@ impl Structures {
             queue.write_buffer(&buffer, 0, bytes);
             buffer
         };
-        // In the order of the leaves, as the geometry has them.
-        let indices: Vec<u32> = mesh.triangles.iter().flat_map(|t| [t[0], t[1], t[2]]).collect();
+        // As the geometry has them.
+        let indices: Vec<u32> = triangles.iter().flat_map(|t| [t[0], t[1], t[2]]).collect();
         let vertices = upload("daa ray vertices", bytemuck::cast_slice(&mesh.positions));
         let index_buffer = upload("daa ray indices", bytemuck::cast_slice(&indices));
         let size = wgpu::BlasTriangleGeometrySizeDescriptor {

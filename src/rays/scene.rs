@@ -6,6 +6,7 @@ use super::{RayError, RayTier};
 use glam::{Affine3A, DMat3, DVec3, Vec3};
 use obvhs::aabb::Aabb;
 use obvhs::cwbvh::node::CwBvhNode;
+use std::borrow::Cow;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// A bottom level of a [`RayScene`].
@@ -59,6 +60,8 @@ pub struct RayScene {
     top: Growing,
     /// Of [`RayTier::Query`].
     structures: Option<Structures>,
+    /// The host's own top level, where it is in use.
+    hosts: Option<wgpu::Tlas>,
     meshes: Vec<Placed>,
     /// Vec4s used of `nodes` and `geometry`.
     used: [u64; 2],
@@ -141,6 +144,7 @@ impl RayScene {
             geometry: Growing::new(device, "triangles and vertices"),
             top: Growing::new(device, "instances"),
             structures: (tier == RayTier::Query).then(|| Structures::new(device)),
+            hosts: None,
             meshes: Vec::new(),
             used: [0, 0],
             instances: 0,
@@ -163,7 +167,7 @@ impl RayScene {
     ) -> Result<MeshId, RayError> {
         let [nodes, geometry] = self.used;
         let (root, first_triangle) = (nodes / RECORD as u64, geometry);
-        let first_vertex = geometry + mesh.triangles.len() as u64;
+        let first_vertex = geometry + self.order(mesh).len() as u64;
         let vertices = mesh.positions.len();
         let end = first_vertex + (vertices + mesh.attributes.len()) as u64;
         // The adapter has nodes of its own.
@@ -175,7 +179,8 @@ impl RayScene {
             node.child_base_idx += root as u32;
             node.primitive_base_idx += first_triangle as u32;
         }
-        let triangles = mesh.triangles.iter().map(|&[a, b, c, id]| {
+        let triangles = self.order(mesh);
+        let triangles = triangles.iter().map(|&[a, b, c, id]| {
             let [a, b, c] = [a, b, c].map(|v| v + first_vertex as u32);
             [a, b, c, id]
         });
@@ -219,6 +224,36 @@ impl RayScene {
         instances: &[Instance],
         camera: Vec3,
     ) -> Result<(), RayError> {
+        self.place(device, queue, Ok(encoder), instances, camera)
+    }
+
+    /// [`update`](Self::update) over a top level of the host's own, on [`RayTier::Query`]. It lies in the world; the custom data of
+    /// its instances are their places among `instances`, which have the same transforms; and its bottom levels hold the triangles
+    /// of the meshes in the order in which [`add`](Self::add) had them. World coordinates are its own: far from the origin rays
+    /// are as coarse as these.
+    pub fn update_with(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        top: &wgpu::Tlas,
+        instances: &[Instance],
+        camera: Vec3,
+    ) -> Result<(), RayError> {
+        if self.tier != RayTier::Query {
+            return Err(RayError::HostTopLevel);
+        }
+        self.place(device, queue, Err(top), instances, camera)
+    }
+
+    /// By an encoder that builds our own top level, or by the host's.
+    fn place(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        builder: Result<&mut wgpu::CommandEncoder, &wgpu::Tlas>,
+        instances: &[Instance],
+        camera: Vec3,
+    ) -> Result<(), RayError> {
         if instances.len() > MAX_INSTANCES {
             return Err(RayError::Instances { instances: instances.len(), limit: MAX_INSTANCES });
         }
@@ -232,7 +267,8 @@ impl RayScene {
                 mesh: placed.name.clone(),
                 why,
             })?;
-            let Some(bounds) = placed.bounds else { continue };
+            // The host's own top level counts those without triangles too.
+            let Some(bounds) = placed.bounds.or(builder.is_err().then_some([Vec3::ZERO; 2])) else { continue };
             least_offset = least_offset.max(place.least_offset(bounds));
             match self.structures {
                 Some(_) => places.push((mesh, place.relative_from_own())),
@@ -254,17 +290,31 @@ impl RayScene {
             Some(_) => (Vec::new(), (0..records.len() as u32).collect()),
             None => mesh::wide(&boxes, Quality::Dynamic),
         };
-        let first = 1 + nodes.len() * RECORD;
+        // Behind the header, and for a ray query where its rays begin.
+        let first = 1 + usize::from(self.structures.is_some()) + nodes.len() * RECORD;
         let bytes = (first + records.len() * RECORD) as u64 * VEC4;
         let grown = self.top.reserve(device, None, bytes, 0)?;
         self.changed(grown);
-        if let Some(structures) = &mut self.structures {
-            let grown = structures.update(device, encoder, &places)?;
-            self.changed(grown);
+        let shift = if builder.is_err() { camera } else { Vec3::ZERO };
+        match (builder, &mut self.structures) {
+            (Ok(encoder), Some(structures)) => {
+                let grown = structures.update(device, encoder, &places)?;
+                let other = self.hosts.take().is_some();
+                self.changed(grown || other);
+            }
+            (Err(top), _) if self.hosts.as_ref() != Some(top) => {
+                self.hosts = Some(top.clone());
+                self.changed(true);
+            }
+            _ => {}
         }
         self.upload.clear();
         self.least_offset = least_offset as f32;
         self.upload.push([first as u32, records.len() as u32, self.least_offset.to_bits(), 0]);
+        if self.structures.is_some() {
+            let [x, y, z] = shift.to_array().map(f32::to_bits);
+            self.upload.push([x, y, z, 0]);
+        }
         self.upload.extend_from_slice(bytemuck::cast_slice(&nodes));
         for &i in &order {
             self.upload.extend_from_slice(bytemuck::cast_slice(&[records[i as usize]]));
@@ -285,9 +335,14 @@ impl RayScene {
         [&self.nodes, &self.geometry, &self.top].map(|b| b.buffer.size()).iter().sum()
     }
 
-    /// The adapter's top level, of [`RayTier::Query`].
+    /// A mesh's triangles: as the leaves have them, or for a ray query as they were, those without an area in their places.
+    fn order<'a>(&self, mesh: &'a BottomLevel) -> Cow<'a, [[u32; 4]]> {
+        if self.structures.is_some() { mesh.as_they_were().into() } else { mesh.triangles[..].into() }
+    }
+
+    /// The adapter's top level, of [`RayTier::Query`], or the host's own.
     pub fn top_level(&self) -> Option<&wgpu::Tlas> {
-        self.structures.as_ref().map(|s| &s.top)
+        self.hosts.as_ref().or(self.structures.as_ref().map(|s| &s.top))
     }
 
     /// Nodes, triangles with vertices, and the top level, for bindings 0 to 2 of `rays_software.wgsl`.

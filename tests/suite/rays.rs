@@ -537,3 +537,123 @@ fn holes_and_back_faces_let_rays_through() {
         assert_eq!(tracer.gpu.take_errors(), Vec::<String>::new());
     });
 }
+
+/// A top level that a host built itself, in the world, over bottom levels of its own.
+#[test]
+fn a_hosts_own_top_level_is_traced_alike() {
+    on_each_tier(|mut tracer| {
+        // A triangle without an area in the midst: those after it keep their numbers.
+        let (mut positions, mut indices) = sphere(2, 0.2);
+        indices.splice(30..30, [5, 5, 6]);
+        let square = [[-2.0, 0.0, -2.0], [2.0, 0.0, -2.0], [2.0, 0.0, 2.0], [-2.0, 0.0, 2.0]];
+        let floor = [0, 2, 1, 0, 3, 2];
+        let ids = [tracer.add(&positions, &indices), tracer.add(&[], &[]), tracer.add(&square, &floor)];
+        let turned = Affine3A::from_scale_rotation_translation(
+            vec3(1.0, -0.5, 2.0),
+            Quat::from_rotation_y(0.7),
+            vec3(10.5, 1.0, -4.0),
+        );
+        let placed = [
+            (ids[0], turned),
+            (ids[1], Affine3A::IDENTITY),
+            (ids[2], Affine3A::from_translation(vec3(10.0, -1.0, -4.0))),
+            (ids[0], Affine3A::from_translation(vec3(12.0, 0.0, -5.0))),
+        ];
+        let camera = vec3(10.0, 0.5, -3.0);
+        let instances = placed.map(|(mesh, world)| instance(mesh, world));
+        let mut seed = 7;
+        let rays: Vec<_> = (0..4096).map(|_| ray(random3(&mut seed) * 6.0, random3(&mut seed))).collect();
+        tracer.update(&instances, camera).unwrap();
+        let own = tracer.trace(&rays, false);
+        let generation = tracer.scene.generation();
+        let Gpu { device, queue, .. } = tracer.gpu.clone();
+        if tracer.tier == RayTier::Software {
+            return;
+        }
+        let blas = |positions: &[[f32; 3]], indices: &[u32]| {
+            use wgpu::util::DeviceExt;
+            let usage = wgpu::BufferUsages::BLAS_INPUT;
+            let buffer = |contents| {
+                device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: None, contents, usage })
+            };
+            let size = wgpu::BlasTriangleGeometrySizeDescriptor {
+                vertex_format: wgpu::VertexFormat::Float32x3,
+                vertex_count: positions.len() as u32,
+                index_format: Some(wgpu::IndexFormat::Uint32),
+                index_count: Some(indices.len() as u32),
+                flags: wgpu::AccelerationStructureGeometryFlags::OPAQUE,
+            };
+            let blas = device.create_blas(
+                &wgpu::CreateBlasDescriptor {
+                    label: None,
+                    flags: wgpu::AccelerationStructureFlags::PREFER_FAST_TRACE,
+                    update_mode: wgpu::AccelerationStructureUpdateMode::Build,
+                },
+                wgpu::BlasGeometrySizeDescriptors::Triangles { descriptors: vec![size.clone()] },
+            );
+            let (vertices, index_buffer) =
+                (buffer(bytemuck::cast_slice(positions)), buffer(bytemuck::cast_slice(indices)));
+            let geometry = wgpu::BlasTriangleGeometry {
+                size: &size,
+                vertex_buffer: &vertices,
+                first_vertex: 0,
+                vertex_stride: 12,
+                index_buffer: Some(&index_buffer),
+                first_index: Some(0),
+                transform_buffer: None,
+                transform_buffer_offset: None,
+            };
+            let geometry = wgpu::BlasGeometries::TriangleGeometries(vec![geometry]);
+            let mut encoder = device.create_command_encoder(&Default::default());
+            encoder.build_acceleration_structures([&wgpu::BlasBuildEntry { blas: &blas, geometry }], []);
+            queue.submit([encoder.finish()]);
+            blas
+        };
+        // Vertices of its own, as long as the triangles have the same order.
+        positions.push([0.0; 3]);
+        let bottom = [Some(blas(&positions, &indices)), None, Some(blas(&square, &floor))];
+        let mut top = device.create_tlas(&wgpu::CreateTlasDescriptor {
+            label: None,
+            max_instances: 8,
+            flags: wgpu::AccelerationStructureFlags::PREFER_FAST_TRACE,
+            update_mode: wgpu::AccelerationStructureUpdateMode::Build,
+        });
+        for (i, (mesh, world)) in placed.iter().enumerate() {
+            let bottom = bottom[ids.iter().position(|id| id == mesh).unwrap()].as_ref();
+            let rows = Mat3::from(world.matrix3).transpose();
+            let row = |r: usize| [rows.col(r).x, rows.col(r).y, rows.col(r).z, world.translation[r]];
+            let rows: Vec<f32> = [row(0), row(1), row(2)].concat();
+            top[7 - i] = bottom.map(|b| wgpu::TlasInstance::new(b, rows.try_into().unwrap(), i as u32, 0xff));
+        }
+        let mut encoder = device.create_command_encoder(&Default::default());
+        encoder.build_acceleration_structures([], [&top]);
+        queue.submit([encoder.finish()]);
+        tracer.scene.update_with(&device, &queue, &top, &instances, camera).unwrap();
+        assert_ne!(tracer.scene.generation(), generation, "to be bound anew");
+        let theirs = tracer.trace(&rays, false);
+        let mut hits = 0;
+        for (a, b) in own.iter().zip(&theirs) {
+            assert_eq!((a.instance, a.triangle, a.front), (b.instance, b.triangle, b.front));
+            assert!((a.t - b.t).abs() <= 1e-4 * a.t.abs());
+            hits += u32::from(a.instance != MISS);
+        }
+        assert!(hits > 200, "{hits}");
+        // A steady frame keeps it, and our own takes over again.
+        let generation = tracer.scene.generation();
+        tracer.scene.update_with(&device, &queue, &top, &instances, camera).unwrap();
+        assert_eq!(tracer.scene.generation(), generation);
+        tracer.update(&instances, camera).unwrap();
+        assert_eq!(tracer.trace(&rays, false), own);
+        assert_eq!(tracer.gpu.take_errors(), Vec::<String>::new());
+    });
+    let mut software = Tracer::new(RayTier::Software);
+    if let Ok(adapter) = gpu::choose(None)
+        && adapter.features().contains(rays::QUERY_FEATURES)
+    {
+        let query = Tracer::new(RayTier::Query);
+        let top = query.scene.top_level().unwrap();
+        let Gpu { device, queue, .. } = &software.gpu.clone();
+        let refused = software.scene.update_with(device, queue, top, &[], Vec3::ZERO).unwrap_err();
+        assert_snapshot!(refused, @"a top level of the host's own can only be traced by RayTier::Query; use RayScene::update");
+    }
+}
