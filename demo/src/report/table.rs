@@ -50,10 +50,10 @@ fn effects_table(effects: &Effects) -> String {
     let ms = |frames: &Frames| number(frames.total_ms.map(|s| s.median), 1);
     let mut text = String::new();
     for row in &effects.rows {
-        let bytes = row.on.ray_bytes as f64 * 1e-6;
+        let bytes = row.on.ray_bytes as f64 / f64::from(1 << 20);
         let called_for = if row.needed { "called for" } else { "not paid for" };
         text += &format!(
-            "{:<14} {called_for:<13} on {:>8} ms, {bytes:.1} MB, {} rays; off {:>8} ms, {} bytes\n",
+            "{:<14} {called_for:<13} on {:>8} ms, {bytes:.1} MiB, {} rays; off {:>8} ms, {} bytes\n",
             row.effect,
             ms(&row.on),
             row.on.rays,
