@@ -98,15 +98,16 @@ pub struct Intermediates<'a> {
     pub first: &'a wgpu::Texture,
     /// The means of windows with k > 1, `Rgba32Float`, w×h; elsewhere what was there before.
     pub color: &'a wgpu::Texture,
-    /// The plan of [`Technique::Windowed`]: a word for each pixel of each tile, k in bits 0 to 7, the deciding metric in
+    /// The plan of [`Technique::Windowed`](crate::Technique::Windowed): a word for each pixel of each tile, k in bits 0 to 7, the deciding metric in
     /// bits 8 to 15 (0 nothing, 1 depth, 2 normal, 3 luminance, 4 identity), the samples of the tile before this window's
     /// in bits 16 to 31. See [`plan_index`](Self::plan_index).
     pub plan: &'a wgpu::Buffer,
     /// Tiles along x and y.
     pub tiles: [u32; 2],
-    /// Slots of the plan by k, once [`Execution::Sorted`] or [`Execution::Bucketed`] ran; see `reference::list`.
+    /// Slots of the plan by k, once [`Execution::Sorted`](crate::Execution::Sorted) or
+    /// [`Execution::Bucketed`](crate::Execution::Bucketed) ran; see `reference::list`.
     pub pixel_list: Option<&'a wgpu::Buffer>,
-    /// The samples beyond the first, once [`Execution::Packed`] ran; see `reference::list`.
+    /// The samples beyond the first, once [`Execution::Packed`](crate::Execution::Packed) ran; see `reference::list`.
     pub sample_list: Option<&'a wgpu::Buffer>,
     /// The shadow bits of all samples, rank by rank in the order of the plan, once a frame traced; of those that were not
     /// traced what was there before.

@@ -12,7 +12,7 @@ use crate::statistics::MAX_PASSES;
 use crate::traces::Samples;
 use crate::{audit, bounce, classify, first, max_filter, metrics, plan, reconstruct, view};
 
-/// A pass of the frame, in the order in which [`DeferredAa::passes`] yields it.
+/// A pass of the frame, in the order in which [`DeferredAa::passes`](crate::DeferredAa::passes) yields it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Pass {
     /// What it is called, reads and writes.
