@@ -254,9 +254,9 @@ fn assert_stats(stats: &Value, technique: &str) {
     place("quality.truth");
     let passes: Vec<&str> = place("passes").as_array().unwrap().iter().map(|v| v.as_str().unwrap()).collect();
     let expected: &[&str] = match technique {
-        "single" => &["trace first", "first", "resolve"],
-        "full" => &["trace", "shade", "resolve"],
-        _ => &["trace first", "first", "metrics", "plan", "trace", "list", "shade", "resolve"],
+        "single" => &["classify", "trace first", "first", "resolve"],
+        "full" => &["classify", "trace", "shade", "resolve"],
+        _ => &["classify", "trace first", "first", "metrics", "plan", "trace", "list", "shade", "resolve"],
     };
     assert_eq!(passes, expected);
     let times = place("time_ms").as_object().unwrap();

@@ -110,6 +110,7 @@ fn every_field_and_file_is_there() {
         "frontier",
         "executions",
         "cost",
+        "effects",
         "goals",
         "crops",
         "unfinished",
@@ -139,6 +140,7 @@ fn every_field_and_file_is_there() {
             "adapter",
             "samples",
             "rays",
+            "tiles",
             "time_ms",
             "memory_bytes",
             "quality",
@@ -164,6 +166,32 @@ fn every_field_and_file_is_there() {
     for name in ["truth.png", "truth.exr", "edges.png"] {
         assert!(folder.out().join(name).is_file(), "{name}");
     }
+}
+
+#[test]
+fn what_the_scene_does_not_pay_for_is_there() {
+    let (_, report) = whole();
+    let effects = &report["effects"];
+    let rows = effects["rows"].as_array().unwrap();
+    assert_eq!(
+        rows.iter().map(|r| r["effect"].as_str().unwrap()).collect::<Vec<_>>(),
+        ["shadows", "reflections", "refraction"]
+    );
+    for row in rows {
+        assert_eq!(
+            (&row["needed"], &row["off"]["ray_bytes"], &row["off"]["rays"]),
+            (&false.into(), &0.into(), &0.into())
+        );
+        assert!(row["on"]["ray_bytes"].as_u64().unwrap() > 0);
+        let (on, off) = (row["on"]["passes"].as_array().unwrap(), row["off"]["passes"].as_array().unwrap());
+        assert!(on.len() > off.len() && on.contains(&"classify".into()) && !off.contains(&"classify".into()));
+    }
+    assert!(rows[0]["on"]["rays"].as_u64().unwrap() > 0);
+    let tiers = effects["tiers"].as_array().unwrap();
+    assert!(tiers[0]["tier"] == "software" && tiers[0]["bytes_per_triangle"].as_f64().unwrap() < 40.0);
+    let bounce = |r: &Value| r["frames"]["tiles"]["bounce"].as_u64().unwrap();
+    let mirrors: Vec<_> = effects["mirrors"].as_array().unwrap().iter().map(bounce).collect();
+    assert!(mirrors[0] == 0 && mirrors[1] > 0 && mirrors[2] == 64 * mirrors[1], "{mirrors:?}");
 }
 
 #[test]
