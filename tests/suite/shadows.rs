@@ -268,10 +268,13 @@ fn vertices_far_from_their_own_origin_do_not_shadow_themselves() {
     for own in [300.0f32, 5e3, 1e5] {
         for tier in tiers() {
             let by = vec3(own, own * 0.5, -own);
-            let mut far = square();
-            far.positions.iter_mut().for_each(|p| *p += by);
-            let mut plain = scene(vec![far], &[(0, Mat4::from_translation(-by))]);
-            plain.sun = sun(vec3(0.6, 0.3, 0.8));
+            // Slanted, so that rounding moves a point off its plane, and one triangle, so that it has one.
+            let turn = Mat4::from_rotation_z(0.3) * Mat4::from_rotation_x(0.2);
+            let corners = [vec3(-1.5, 0.0, 1.0), vec3(1.5, 0.0, 1.0), vec3(0.0, 0.0, -1.5)];
+            let [a, b, c] = corners.map(|p| turn.transform_point3(p) + by);
+            let normal = (b - a).cross(c - a).normalize();
+            let mut plain = scene(vec![mesh("far", &[[a, b, c]], |_| normal)], &[(0, Mat4::from_translation(-by))]);
+            plain.sun = sun(turn.transform_vector3(vec3(0.6, 0.3, 0.8)));
             let camera = looking(vec3(0.3, 3.0, 2.5), Vec3::ZERO, 0.01);
             let mut host = host_on(plain, 2, [48, 48], tier);
             let statistics = host.frame(&camera, full()).unwrap().statistics;
