@@ -2,13 +2,16 @@
 // (the secondary rays of subpixel reconstruction for ray tracing, WSCG 2012, section 3). Joined with casting.wgsl, rays.wgsl and the chunk of a tier.
 // CPU twin: src/reference/bounce.rs.
 
-/// What was found, rank by rank: codes of shared_exponent.wgsl.
+/// What was found, rank by rank: codes of shared_exponent.wgsl. For `Selective` also what the rays of first samples met, behind them.
 @group(3) @binding(5) var<storage, read_write> daa_secondary: array<u32>;
 /// A bit for each material: it sends rays.
 @group(3) @binding(8) var<storage, read> daa_bouncing: array<u32>;
 
 /// Surfaces of its own object that a refracted ray passes, at most.
 const DAA_MAX_PASSAGES: u32 = 4u;
+
+/// What the last ray met that its surface was shaded for, as `daa_secondary_hit` has it.
+var<private> daa_last_hit: vec3u;
 
 /// The angle of a ray's cone is a sample's; its width grows with the way (Akenine-Möller et al. 2019, "Texture Level of Detail
 /// Strategies for Real-Time Ray Tracing", section 20.3.4).
@@ -111,6 +114,7 @@ fn daa_arriving(pixel: vec2u, rank: u32, from_point: vec3f, towards: vec3f, refr
         let ray = DaaRay(origin, 0.0, direction, 1e30);
         let hit = daa_trace(ray, false, DAA_MISS);
         if hit.instance == DAA_MISS {
+            daa_last_hit = vec3u(0u);
             return daa_sky_towards(pixel, rank, direction);
         }
         let met = daa_met(pixel, rank, ray, hit, cone);
@@ -127,8 +131,12 @@ fn daa_arriving(pixel: vec2u, rank: u32, from_point: vec3f, towards: vec3f, refr
         var s = met.s;
         let normal = s.geometric_normal;
         s.shadow = daa_shadows_at(s.relative_position, s.normal, normal, s.object).x;
+        // A lowest bit of the normal, so that no surface is 0.
+        let code = pack2x16snorm(daa_octahedral_encode(s.normal)) | 1u;
+        daa_last_hit = vec3u((s.object & 0xffffu) | (s.material << 16u), code, s.shadow);
         return daa_clean(daa_call_hook(s, 1.0)).color.rgb;
     }
+    daa_last_hit = vec3u(0u);
     return vec3f(0.0);
 }
 
@@ -138,7 +146,11 @@ var<workgroup> daa_group_rays: array<vec2u, 64>;
 fn daa_bounce_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
     let ranks = daa_ranks(group.xy, lane, DAA_TILES_BOUNCE);
     var rays = vec2u(0u);
+    let keeps_hits = (daa_frame.flags & DAA_FLAG_SELECTIVE) != 0u && daa_casting.samples == DAA_SAMPLES_FIRST;
     for (var rank = ranks.first; rank < ranks.end; rank++) {
+        if !daa_wanted(ranks, rank) {
+            continue;
+        }
         let at = daa_sample_index(ranks.pixel, rank);
         let material = textureLoad(daa_gbuffer_surface, ranks.pixel * DAA_M + daa_order(rank), 0).y & 0xffffu;
         if (daa_bouncing[material >> 5u] & (1u << (material & 31u))) == 0u {
@@ -178,6 +190,12 @@ fn daa_bounce_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocatio
             sum += weight * daa_arriving(ranks.pixel, rank, origin, normalize(direction), kind == 1u, b.ior, s.object, cone);
             rays += select(vec2u(1u, 0u), vec2u(0u, 1u), kind == 1u);
             traced = true;
+            if keeps_hits {
+                let word = DAA_M * DAA_M + kind * 3u;
+                daa_secondary[daa_sample_index(ranks.pixel, word)] = daa_last_hit.x;
+                daa_secondary[daa_sample_index(ranks.pixel, word + 1u)] = daa_last_hit.y;
+                daa_secondary[daa_sample_index(ranks.pixel, word + 2u)] = daa_last_hit.z;
+            }
         }
         if traced {
             daa_secondary[at] = daa_radiance_encode(daa_clean(vec4f(sum, 1.0)).color.rgb);

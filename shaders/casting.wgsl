@@ -40,11 +40,19 @@ struct DaaCasting {
 const DAA_TILES_SURFACE: u32 = 0u;
 const DAA_TILES_BOUNCE: u32 = 1u;
 
-/// A pixel, and the ranks from `first` to before `end` of it.
+/// A pixel, and the ranks from `first` to before `end` of it, those of some quadrants alone.
 struct DaaRanks {
     pixel: vec2u,
     first: u32,
     end: u32,
+    quadrants: u32,
+}
+
+/// Of a plan without quadrants.
+const DAA_ALL_QUADRANTS: u32 = 0xffu;
+
+fn daa_wanted(ranks: DaaRanks, rank: u32) -> bool {
+    return ranks.quadrants == DAA_ALL_QUADRANTS || (daa_quadrants(rank) & ranks.quadrants) != 0u;
 }
 
 /// None past the edges of the image, nor past the end of the list of the tiles of this kind.
@@ -55,7 +63,7 @@ fn daa_ranks(group: vec2u, lane: u32, kind: u32) -> DaaRanks {
     } else {
         let place = group.y * daa_tile_lists[kind * 4u + 1u] + group.x;
         if place >= daa_tile_lists[kind * 4u] {
-            return DaaRanks(vec2u(0u), 0u, 0u);
+            return DaaRanks(vec2u(0u), 0u, 0u, 0u);
         }
         let all_tiles = daa_frame.tiles_x * ((daa_frame.size.y + 7u) / 8u);
         let listed = daa_tile_lists[8u + kind * all_tiles + place];
@@ -63,17 +71,24 @@ fn daa_ranks(group: vec2u, lane: u32, kind: u32) -> DaaRanks {
     }
     let pixel = tile * 8u + vec2u(lane & 7u, lane >> 3u);
     if any(pixel >= daa_frame.size) {
-        return DaaRanks(pixel, 0u, 0u);
+        return DaaRanks(pixel, 0u, 0u, 0u);
     }
     let n = DAA_M * DAA_M;
-    let k = daa_plan[(tile.y * daa_frame.tiles_x + tile.x) * 64u + lane] & 0xffu;
+    let word = daa_plan[(tile.y * daa_frame.tiles_x + tile.x) * 64u + lane];
+    let k = word & 0xffu;
+    let all = DAA_ALL_QUADRANTS;
     switch daa_casting.samples {
-        case DAA_SAMPLES_FIRST: { return DaaRanks(pixel, 0u, 1u); }
-        case DAA_SAMPLES_FULL: { return DaaRanks(pixel, 0u, n); }
-        case DAA_SAMPLES_PLANNED: { return DaaRanks(pixel, 1u, k); }
+        case DAA_SAMPLES_FIRST: { return DaaRanks(pixel, 0u, 1u, all); }
+        case DAA_SAMPLES_FULL: { return DaaRanks(pixel, 0u, n, all); }
+        case DAA_SAMPLES_PLANNED: {
+            if (daa_frame.flags & DAA_FLAG_SELECTIVE) != 0u {
+                return DaaRanks(pixel, 1u, select(n, 1u, k < 2u), (word >> 16u) & 15u);
+            }
+            return DaaRanks(pixel, 1u, k, all);
+        }
         // Those that were not planned.
-        case DAA_SAMPLES_AUDITED: { return DaaRanks(pixel, k, n); }
-        default: { return DaaRanks(pixel, 1u, daa_frame.geometry); }
+        case DAA_SAMPLES_AUDITED: { return DaaRanks(pixel, k, n, all); }
+        default: { return DaaRanks(pixel, 1u, daa_frame.geometry, all); }
     }
 }
 

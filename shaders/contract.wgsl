@@ -64,7 +64,19 @@ struct DaaFrame {
     reconstruct_contrast_min: f32,
     /// Samples for which the weights sum to less are shaded.
     reconstruct_least: f32,
-    /// Rank → place in the window, x | y << 4, four to a vector.
+    /// Thresholds of `select` for objects, normals, shadow and textures; above 1: off.
+    selective_primary: vec4f,
+    /// For those of what is reflected and refracted.
+    selective_secondary: vec4f,
+    /// For colours where nothing else disagrees.
+    selective_color: f32,
+    /// Differences of its colours below are none.
+    selective_floor: f32,
+    /// Normals differ if the cosine between them is less.
+    selective_normal: f32,
+    /// Samples of a window's quadrants together.
+    selective_samples: u32,
+    /// Rank → place in the window, x | y << 4 | quadrants << 8 (a bit each), four to a vector.
     order: array<vec4u, 16>,
     /// k − 1 → from the mean place of the first k samples to the window's centre, in samples; two to a vector.
     centres: array<vec4f, 32>,
@@ -86,6 +98,12 @@ const DAA_FLAG_TRACE_ALL: u32 = 4096u;
 const DAA_FLAG_REFLECTIONS: u32 = 8192u;
 const DAA_FLAG_REFRACTIONS: u32 = 16384u;
 const DAA_FLAG_SECONDARY_APART: u32 = 32768u;
+const DAA_FLAG_SELECTIVE: u32 = 0x10000u;
+const DAA_FLAG_SHADOW_LIGHTS: u32 = 0x20000u;
+const DAA_FLAG_BILINEAR: u32 = 0x40000u;
+const DAA_FLAG_FOCUSED: u32 = 0x80000u;
+const DAA_FLAG_BY_LUMINANCE: u32 = 0x100000u;
+const DAA_FLAG_BY_GRADIENT: u32 = 0x200000u;
 
 /// One sample of the G-buffer, as `material`, `shade` and `sky` see it.
 struct DaaSample {

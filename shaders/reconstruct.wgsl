@@ -129,24 +129,6 @@ fn daa_secondary_of(pixel: vec2u, rank: u32) -> vec4f {
     return vec4f(daa_radiance_decode(daa_secondary_code(pixel, rank)), 0.0);
 }
 
-/// The ranks of a window that are shaded: 64 bits.
-fn daa_with(ranks: vec2u, rank: u32) -> vec2u {
-    let bit = 1u << (rank & 31u);
-    return ranks | select(vec2u(0u, bit), vec2u(bit, 0u), rank < 32u);
-}
-
-fn daa_has(ranks: vec2u, rank: u32) -> bool {
-    return ((select(ranks.y, ranks.x, rank < 32u) >> (rank & 31u)) & 1u) != 0u;
-}
-
-fn daa_least(ranks: vec2u) -> u32 {
-    return select(firstTrailingBit(ranks.x), firstTrailingBit(ranks.y) + 32u, ranks.x == 0u);
-}
-
-fn daa_without_least(ranks: vec2u) -> vec2u {
-    return select(vec2u(ranks.x & (ranks.x - 1u), ranks.y), vec2u(0u, ranks.y & (ranks.y - 1u)), ranks.x == 0u);
-}
-
 @compute @workgroup_size(64)
 fn daa_reconstruct_main(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocation_index) lane: u32) {
     let last = vec2i(daa_frame.size) - 1;

@@ -26,7 +26,12 @@ fn daa_audited_tile(group: vec2u) -> vec2u {
 /// A rank's place in its window.
 fn daa_order(rank: u32) -> vec2u {
     let code = daa_frame.order[rank >> 2u][rank & 3u];
-    return vec2u(code & 15u, code >> 4u);
+    return vec2u(code & 15u, (code >> 4u) & 15u);
+}
+
+/// The quadrants of its window whose sample a rank is, a bit each.
+fn daa_quadrants(rank: u32) -> u32 {
+    return daa_frame.order[rank >> 2u][rank & 3u] >> 8u;
 }
 
 /// From the camera to the point under G-buffer coordinates `xy` (in samples, y down) at depth `d`.

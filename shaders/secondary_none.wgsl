@@ -3,3 +3,7 @@
 fn daa_secondary_code(pixel: vec2u, rank: u32) -> u32 {
     return 0u;
 }
+
+fn daa_secondary_hit(pixel: vec2u, kind: u32) -> vec3u {
+    return vec3u(0u);
+}

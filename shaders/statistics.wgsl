@@ -19,4 +19,7 @@ struct DaaStatistics {
     refraction_rays: atomic<u32>,
     /// Tiles with a surface, and with one that sends rays.
     tiles: array<atomic<u32>, 2>,
+    /// Active quadrants by what their threshold is for: colour, then object, normal, shadow, texture, then these of what is reflected
+    /// and refracted.
+    quadrants: array<atomic<u32>, 9>,
 }

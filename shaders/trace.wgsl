@@ -37,6 +37,9 @@ fn daa_trace_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation
     }
     var rays = 0u;
     for (var rank = ranks.first; rank < ranks.end; rank++) {
+        if !daa_wanted(ranks, rank) {
+            continue;
+        }
         var bits = vec2u(0u);
         if traces {
             let s = daa_fetch(ranks.pixel, rank, 1.0, vec2f(0.0));

@@ -31,6 +31,7 @@ fn daa_view_fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     if (daa_frame.flags & DAA_FLAG_PLANNED) == 0u {
         plan = select(1u, DAA_M * DAA_M, (daa_frame.flags & DAA_FLAG_FULL) != 0u);
     }
+    let selective = (daa_frame.flags & DAA_FLAG_SELECTIVE) != 0u;
     let sky = s.depth == 0.0;
     var c = vec3f(0.0);
     switch daa_frame.view {
@@ -38,7 +39,11 @@ fn daa_view_fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
             c = daa_heat(log2(f32(max(plan & 0xffu, 1u))) / max(log2(f32(DAA_M * DAA_M)), 1.0));
         }
         case 2u: { // Decided: black nothing, red depth, green normal, blue luminance, yellow identity, cyan shadow
-            let by = (plan >> 8u) & 0xffu;
+            var by = (plan >> 8u) & 0xffu;
+            if selective && by > 0u {
+                // Colour; object, normal, shadow, texture.
+                by = select(select(select(select(3u, 1u, (by & 3u) == 0u), 2u, (by & 3u) == 3u), 4u, (by & 3u) == 2u), 3u, by == 1u);
+            }
             c = vec3f(f32(by == 1u || by == 4u), f32(by == 2u || by == 4u || by == 6u), f32(by == 3u || by == 6u));
         }
         case 3u: { // First
@@ -57,8 +62,13 @@ fn daa_view_fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
         case 10u: { c = daa_label(s.material); } // Material
         case 11u: { c = daa_label(s.object + 0x10000u); } // Object
         case 12u: { c = unpack4x8unorm(s.user).rgb; } // User
+        case 13u: { // Quadrants: black, red, green, blue, white
+            let chosen = countOneBits((plan >> 16u) & 15u);
+            c = select(vec3f(f32(chosen == 1u), f32(chosen == 2u), f32(chosen == 3u)), vec3f(1.0), chosen == 4u);
+            c = select(vec3f(0.0), c, selective);
+        }
         default: {}
     }
-    let everywhere = daa_frame.view <= 3u;
+    let everywhere = daa_frame.view <= 3u || daa_frame.view == 13u;
     return vec4f(select(c, vec3f(0.0), sky && !everywhere), 1.0);
 }

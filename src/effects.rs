@@ -16,6 +16,22 @@ pub struct Needs<'a> {
     /// The materials (of `DaaSample::material`, below 65536) whose surfaces reflect or refract: the host's `bounce` is asked what
     /// of them. Others send no ray.
     pub bounces: &'a [u32],
+    /// The materials (below 65536) that have a texture: what [`Technique::Selective`](crate::Technique::Selective) calls texture
+    /// existence. Changes no image of the others.
+    pub textured: &'a [u32],
+    /// The objects whose attributes count where [`Selective::focused`](crate::Selective::focused) is set, each once; all others
+    /// have 0.
+    pub importance: &'a [ObjectImportance],
+}
+
+/// How much an object's attributes count.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ObjectImportance {
+    /// Of `DaaSample::object`, below 65536.
+    pub object: u32,
+    /// 0 to 1, kept in steps of 1/255. 1: by the thresholds of its attributes; 0: as if nothing disagreed, by that of colour; between:
+    /// by what lies between these two.
+    pub importance: f32,
 }
 
 /// Most lights that cast shadows: one for each bit.

@@ -208,6 +208,30 @@ pub enum RecordError {
     /// A light is nowhere.
     #[error("light {0} of Needs::shadows is not finite, or has no direction")]
     CastingLight(usize),
+    /// A material is beyond what a G-buffer holds.
+    #[error("Needs::textured[{index}] is {material}; the G-buffer holds materials below 65536")]
+    TexturedMaterial {
+        /// Its place in the list.
+        index: usize,
+        /// Its index.
+        material: u32,
+    },
+    /// An object is beyond the table of importances.
+    #[error("Needs::importance[{index}].object is {object}; the table ends at 65535, as the G-buffer's objects do")]
+    ImportantObject {
+        /// Its place in the list.
+        index: usize,
+        /// Its id.
+        object: u32,
+    },
+    /// An importance is out of its range.
+    #[error("Needs::importance[{index}].importance is {importance}, it must lie in 0 to 1")]
+    Importance {
+        /// Its place in the list.
+        index: usize,
+        /// What it was set to.
+        importance: f32,
+    },
     /// What rays find is too large.
     #[error("rays at {width}×{height}, m = {m} keep {bytes} bytes: {why}; use a smaller size or m")]
     Traces {

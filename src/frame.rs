@@ -3,7 +3,7 @@
 use crate::audit::Audited;
 use crate::effects::Needs;
 use crate::error::RecordError;
-use crate::settings::{DepthMeasure, Effect, LuminanceCurve, Settings, Technique, Weight};
+use crate::settings::{ColorReference, DepthMeasure, Effect, LuminanceCurve, Settings, Technique, Weight};
 use crate::window;
 use glam::{DMat4, DVec4, Mat4, Vec3};
 
@@ -92,9 +92,18 @@ pub(crate) struct FrameUniform {
     pub reconstruct_contrast_min: f32,
     pub reconstruct_least: f32,
     pub padding: [u32; 3],
+    pub selective_primary: [f32; 4],
+    pub selective_secondary: [f32; 4],
+    pub selective_color: f32,
+    pub selective_floor: f32,
+    pub selective_normal: f32,
+    pub selective_samples: u32,
     pub order: [[u32; 4]; 16],
     pub centres: [[f32; 4]; 32],
 }
+
+/// `DAA_OFF` of select.wgsl.
+pub(crate) const OFF: f32 = 2.0;
 
 /// Bits of `DaaFrame::flags`; their values are read from the shader by a test.
 pub(crate) mod flag {
@@ -114,6 +123,12 @@ pub(crate) mod flag {
     pub const REFLECTIONS: u32 = 8192;
     pub const REFRACTIONS: u32 = 16384;
     pub const SECONDARY_APART: u32 = 32768;
+    pub const SELECTIVE: u32 = 1 << 16;
+    pub const SHADOW_LIGHTS: u32 = 1 << 17;
+    pub const BILINEAR: u32 = 1 << 18;
+    pub const FOCUSED: u32 = 1 << 19;
+    pub const BY_LUMINANCE: u32 = 1 << 20;
+    pub const BY_GRADIENT: u32 = 1 << 21;
 }
 
 impl FrameUniform {
@@ -125,32 +140,47 @@ impl FrameUniform {
         let w = &frame.settings.windowed;
         let r = &frame.settings.reconstructed;
         // Only a window with more samples to come may leave something to them.
-        let windowed = frame.settings.technique == Technique::Windowed;
+        let technique = frame.settings.technique;
+        let windowed = technique == Technique::Windowed;
+        let s = &frame.settings.selective;
+        let selective = technique == Technique::Selective;
+        // Off: more than any contrast, and than any threshold that is on.
+        let thresholds = s.thresholds().map(|(_, tau, on)| if on { tau } else { OFF });
+        let curve = if selective { s.curve } else { w.luminance };
         let flags = [
             (w.depth == DepthMeasure::Discontinuity, flag::DEPTH_PLANE),
             (w.two_sided, flag::TWO_SIDED),
-            (w.luminance == LuminanceCurve::Perceptual, flag::LUMINANCE_PERCEPTUAL),
+            (curve == LuminanceCurve::Perceptual, flag::LUMINANCE_PERCEPTUAL),
             (w.luminance_centre, flag::LUMINANCE_CENTRE),
             (frame.settings.weight == Weight::Luminance, flag::WEIGHT_LUMINANCE),
-            (frame.settings.technique == Technique::Full, flag::FULL),
-            (windowed || frame.settings.technique == Technique::Reconstructed, flag::PLANNED),
-            (windowed && w.edge_aware_first, flag::EDGE_AWARE_FIRST),
+            (technique == Technique::Full, flag::FULL),
+            (!matches!(technique, Technique::Full | Technique::Single), flag::PLANNED),
+            (windowed && w.edge_aware_first || selective && s.edge_aware_first, flag::EDGE_AWARE_FIRST),
             (r.planes, flag::PLANES),
             (r.cut_identity, flag::CUT_IDENTITY),
             (r.cut_shadow, flag::CUT_SHADOW),
             (r.own_first, flag::OWN_FIRST),
             (r.trace_all, flag::TRACE_ALL),
-            (frame.settings.technique == Technique::Reconstructed && r.secondary_apart, flag::SECONDARY_APART),
+            (technique == Technique::Reconstructed && r.secondary_apart, flag::SECONDARY_APART),
             (frame.settings.reflections != Effect::Off, flag::REFLECTIONS),
             (frame.settings.refraction != Effect::Off, flag::REFRACTIONS),
+            (selective, flag::SELECTIVE),
+            (s.shadow_lights, flag::SHADOW_LIGHTS),
+            (s.bilinear, flag::BILINEAR),
+            (s.focused, flag::FOCUSED),
+            (s.reference == ColorReference::Luminance, flag::BY_LUMINANCE),
+            (s.reference == ColorReference::Gradient, flag::BY_GRADIENT),
         ];
-        let rotated = frame.settings.technique == Technique::Reconstructed && r.rotated_grid;
-        let places = if rotated { window::rotated(m) } else { window::order(m) };
+        let places = match technique {
+            Technique::Reconstructed if r.rotated_grid => window::rotated(m),
+            Technique::Selective => window::centred(m),
+            _ => window::order(m),
+        };
         let mut order = [[0; 4]; 16];
         let mut centres = [[0.0; 4]; 32];
         let mut sum = [0.0; 2];
         for (rank, (x, y)) in places.into_iter().enumerate() {
-            order[rank / 4][rank % 4] = u32::from(x) | u32::from(y) << 4;
+            order[rank / 4][rank % 4] = u32::from(x) | u32::from(y) << 4 | window::quadrants(m, x, y) << 8;
             for (axis, place) in [x, y].into_iter().enumerate() {
                 sum[axis] += f32::from(place);
                 if windowed && w.centred {
@@ -175,13 +205,14 @@ impl FrameUniform {
             identity_samples: w.identity_samples,
             shadow_samples: w.shadow_samples,
             tile_limit: w.tile_limit,
-            footprint: match frame.settings.technique {
+            footprint: match technique {
                 Technique::Windowed => w.footprint,
                 Technique::Reconstructed => r.footprint,
+                Technique::Selective => s.footprint,
                 Technique::Full | Technique::Single => 1.0,
             },
             view: frame.settings.view as u32,
-            least_samples: w.least_samples,
+            least_samples: if windowed { w.least_samples } else { 1.0 },
             audit_period: audited.period,
             audit_phase: audited.phase,
             audit_step: audited.step,
@@ -193,6 +224,12 @@ impl FrameUniform {
             reconstruct_contrast_min: r.contrast_min,
             reconstruct_least: r.least_weight,
             padding: [0; 3],
+            selective_primary: std::array::from_fn(|i| thresholds[1 + i]),
+            selective_secondary: std::array::from_fn(|i| thresholds[5 + i]),
+            selective_color: thresholds[0],
+            selective_floor: s.contrast_min,
+            selective_normal: s.normal_cosine,
+            selective_samples: window::quadrant_samples(m),
             order,
             centres,
         })

@@ -9,22 +9,25 @@ use crate::reference::metrics::By;
 use crate::scratch::{List, WORK_BYTES};
 use crate::statistics::Counters;
 use crate::table::{BINDING_FEATURES, MAX_CLASSES, TextureTier};
-use crate::wgsl::{BUILTINS, HostSource, join_plain, tokens};
+use crate::wgsl::{BUILTINS, HostSource, join_plain, join_reading, tokens};
 use crate::{DebugView, TILE};
 use compare::{constant, parse, rust_layout, wgsl_layout};
 use wgpu::naga;
 
-const PLAIN: [(&str, &str); 7] = [
+const SELECT: &str = include_str!("../shaders/select.wgsl");
+const PLAIN: [(&str, &str); 8] = [
     ("classify", include_str!("../shaders/classify.wgsl")),
     ("list", concat!(include_str!("../shaders/work.wgsl"), "\n", include_str!("../shaders/list.wgsl"))),
     ("max_filter", include_str!("../shaders/max_filter.wgsl")),
     ("metrics", include_str!("../shaders/metrics.wgsl")),
     ("plan", include_str!("../shaders/plan.wgsl")),
     ("resolve", include_str!("../shaders/resolve.wgsl")),
+    ("select", SELECT),
     ("view", include_str!("../shaders/view.wgsl")),
 ];
-const SHADING: [(&str, &str); 5] = [
-    ("reconstruct", include_str!("../shaders/reconstruct.wgsl")),
+const SHADING: [(&str, &str); 6] = [
+    ("reconstruct", concat!(include_str!("../shaders/ranks.wgsl"), "\n", include_str!("../shaders/reconstruct.wgsl"))),
+    ("extra", concat!(include_str!("../shaders/ranks.wgsl"), "\n", include_str!("../shaders/extra.wgsl"))),
     ("first", include_str!("../shaders/first.wgsl")),
     ("shade", include_str!("../shaders/shade.wgsl")),
     ("audit", include_str!("../shaders/audit.wgsl")),
@@ -52,6 +55,9 @@ fn plain(pass: &str) -> naga::Module {
 /// hook on each tier.
 fn modules() -> Vec<(String, naga::Module)> {
     let mut all: Vec<_> = PLAIN.iter().map(|&(name, _)| (name.to_owned(), plain(name))).collect();
+    for traced in Traced::ALL {
+        all.push((format!("select {traced:?}"), parse(&join_reading(SELECT, traced))));
+    }
     let whole = "fn shade(s: DaaSample) -> vec4f { return vec4f(s.normal, 1.0); }";
     let split = "fn material(s: DaaSample) -> DaaMaterial { return DaaMaterial(); }
         fn light(f: DaaSurface, m: DaaMaterial) -> vec4f { return m.base_color * f.coverage; }
@@ -111,6 +117,12 @@ fn every_joined_module_is_sound_and_has_the_frame() {
         reconstruct_contrast_min,
         reconstruct_least,
         padding,
+        selective_primary,
+        selective_secondary,
+        selective_color,
+        selective_floor,
+        selective_normal,
+        selective_samples,
         footprint,
         order,
         centres,
@@ -137,7 +149,8 @@ fn counters_are_the_shaders() {
         shadow_rays,
         reflection_rays,
         refraction_rays,
-        tiles
+        tiles,
+        quadrants
     });
     for (name, module) in modules() {
         assert_eq!(wgsl_layout(&module, "DaaStatistics"), counters, "{name}");
@@ -174,6 +187,12 @@ fn flags_are_the_shaders() {
         ("FULL", flag::FULL),
         ("PLANNED", flag::PLANNED),
         ("EDGE_AWARE_FIRST", flag::EDGE_AWARE_FIRST),
+        ("SELECTIVE", flag::SELECTIVE),
+        ("SHADOW_LIGHTS", flag::SHADOW_LIGHTS),
+        ("BILINEAR", flag::BILINEAR),
+        ("FOCUSED", flag::FOCUSED),
+        ("BY_LUMINANCE", flag::BY_LUMINANCE),
+        ("BY_GRADIENT", flag::BY_GRADIENT),
     ];
     for (name, value) in flags {
         assert_eq!(constant(&module, &format!("DAA_FLAG_{name}")), value, "{name}");
@@ -246,6 +265,8 @@ fn tiles_are_the_shaders() {
         ("daa_shade_loop", tile),
         ("daa_shade_tiled", flat),
         ("daa_reconstruct_main", flat),
+        ("daa_select_main", flat),
+        ("daa_extra_main", flat),
         ("daa_trace_main", flat),
         ("daa_bounce_main", flat),
     ];

@@ -39,6 +39,7 @@ mod bounce;
 mod classify;
 mod effects;
 mod error;
+mod extra;
 mod first;
 mod frame;
 pub mod gbuffer;
@@ -60,6 +61,7 @@ pub mod reference;
 mod requirements;
 mod resolve;
 mod scratch;
+mod select;
 mod settings;
 mod shade;
 mod statistics;
@@ -70,7 +72,7 @@ mod view;
 mod wgsl;
 pub mod window;
 
-pub use effects::{CastingLight, MAX_CASTING_LIGHTS, Needs};
+pub use effects::{CastingLight, MAX_CASTING_LIGHTS, Needs, ObjectImportance};
 pub use error::{
     BuildError, PipelineError, RecordError, SettingsError, ShadingError, ShadingErrorKind, SizeError, TableError,
 };
@@ -81,8 +83,8 @@ pub use node::{DeferredAa, Descriptor, Intermediates, Pass, Recording, Shading};
 pub use pipeline::{PassInfo, Resource};
 pub use requirements::{Memory, Requirements};
 pub use settings::{
-    DebugView, DepthMeasure, Effect, Execution, Goal, LuminanceCurve, Preset, Reconstructed, Settings, Technique,
-    Weight, Windowed,
+    ColorReference, DebugView, DepthMeasure, Effect, Enabled, Execution, Goal, LuminanceCurve, Preset, Reconstructed,
+    Selective, Settings, Technique, Weight, Windowed,
 };
 pub use statistics::{PassTime, Statistics, TileCounts};
 pub use table::{

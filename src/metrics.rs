@@ -42,7 +42,7 @@ impl Metrics {
 
     pub fn pipeline(&self, build: &Build, traced: Traced) -> Result<&wgpu::ComputePipeline, PipelineError> {
         self.pipelines[traced.index()].get(|| {
-            let source = wgsl::join_traced_plain(include_str!("../shaders/metrics.wgsl"), traced);
+            let source = wgsl::join_reading(include_str!("../shaders/metrics.wgsl"), traced);
             build.compute_plain(INFO.name, source, "daa_metrics_main", &self.layout, traced)
         })
     }

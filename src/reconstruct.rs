@@ -51,7 +51,9 @@ impl Reconstruct {
 
     pub fn pipeline(&self, build: &Build, traced: Traced) -> Result<&wgpu::ComputePipeline, PipelineError> {
         self.pipelines[traced.index()].get(|| {
-            let source = build.host.join(include_str!("../shaders/reconstruct.wgsl"), traced);
+            let pass =
+                concat!(include_str!("../shaders/ranks.wgsl"), "\n", include_str!("../shaders/reconstruct.wgsl"));
+            let source = build.host.join(pass, traced);
             build.compute(INFO.name, source, "daa_reconstruct_main", &self.layout, Some(traced))
         })
     }

@@ -14,6 +14,8 @@ pub struct Settings {
     pub windowed: Windowed,
     /// The filter of [`Technique::Reconstructed`].
     pub reconstructed: Reconstructed,
+    /// The thresholds of [`Technique::Selective`].
+    pub selective: Selective,
     /// How the samples of a pixel are weighted.
     pub weight: Weight,
     /// Shadow rays towards the lights of [`Needs::shadows`](crate::Needs::shadows).
@@ -74,6 +76,196 @@ pub enum Technique {
     /// their surface and in the same shadow (subpixel reconstruction, Chajdas, McGuire, Luebke 2011, as brought to ray tracing at
     /// WSCG 2012). A sample that none speaks for is shaded.
     Reconstructed,
+    /// Four samples of each quadrant of a pixel that contrasts with the neighbours at its corner, by a threshold for what differs
+    /// there (Jin, Ihm, Chang, Park, Lee, Jung 2009). It runs its own packed list: [`Execution`] has no say.
+    Selective,
+}
+
+/// The thresholds of [`Technique::Selective`], which compares the shaded samples at the centres of pixels: each quadrant with its own
+/// pixel and the three around its corner (Jin et al. 2009, sections 4.1.3 and 4.2). Where an attribute disagrees, the least τ of those
+/// that do is the quadrant's, else [`tau_col`](Self::tau_col): an attribute with a greater τ *relaxes* the test. The quadrant is
+/// active, and four of its samples are shaded, where the contrast of the four colours is at least (1.36, 1.02, 2.04) τ in red, green or
+/// blue. A τ lies in 0 to 1: 0 shades the quadrant whatever its colours, 1 never does, which is not the same as switched
+/// [off](Enabled). Lower: more samples there. Attributes of what is reflected and refracted are known where a frame traces that.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
+pub struct Selective {
+    /// τcol, 0 to 1: where nothing else disagrees.
+    pub tau_col: f32,
+    /// τpoid, 0 to 1: where the pixels show different objects, or the sky.
+    pub tau_poid: f32,
+    /// τpsn, 0 to 1: where their normals differ, see [`normal_cosine`](Self::normal_cosine).
+    pub tau_psn: f32,
+    /// τpsc, 0 to 1: where lights reach them differently, see [`shadow_lights`](Self::shadow_lights).
+    pub tau_psc: f32,
+    /// τpte, 0 to 1: where the pixel's own material is one of [`Needs::textured`](crate::Needs::textured), whatever its neighbours.
+    pub tau_pte: f32,
+    /// τsoid, 0 to 1: as τpoid, of what the pixels reflect or refract: what either ray met first, behind the body that it passes.
+    pub tau_soid: f32,
+    /// τssn, 0 to 1: as τpsn, likewise.
+    pub tau_ssn: f32,
+    /// τssc, 0 to 1: as τpsc, likewise.
+    pub tau_ssc: f32,
+    /// τste, 0 to 1: as τpte, likewise.
+    pub tau_ste: f32,
+    /// Which thresholds there are.
+    pub enabled: Enabled,
+    /// What is contrasted.
+    pub reference: ColorReference,
+    /// As what: exposed radiance, or about what a display shows of it, which has about half the contrast in the dark and much less
+    /// in bright light.
+    pub curve: LuminanceCurve,
+    /// Differences below are no contrast, 0 to 1, of a channel on that curve. Higher: less work in dark noise. The paper has none, and a
+    /// ratio sees any noise in the dark.
+    pub contrast_min: f32,
+    /// Normals differ if the cosine between them is less, -1 to 1. Higher: more pixels at creases and curves have τpsn. The paper has such
+    /// a value but does not print it (and says cross product, which must be the dot product).
+    pub normal_cosine: f32,
+    /// Shadow differs if it is that of other lights. Off: of another number of lights, as in the paper.
+    pub shadow_lights: bool,
+    /// Quadrants that are not active take the colour between the pixels at their corner. Off: their own pixel's, as in the paper, which
+    /// names the other for textures. On: smoother, and blurs what contrasts less than the threshold.
+    pub bilinear: bool,
+    /// Attributes disagree only where an object of [`Needs::importance`](crate::Needs::importance) is involved (section 5, "fairy
+    /// focused").
+    pub focused: bool,
+    /// The texture footprint of a shaded sample over that of the samples that it stands for, 0 to 4. Higher: blurrier.
+    pub footprint: f32,
+    /// The sample at the centre of a window with an edge in it has its own texture footprint, and not the whole pixel's. Not in the
+    /// paper, which filters no textures.
+    pub edge_aware_first: bool,
+}
+
+/// The thresholds of [`Selective`] that there are. Without one it is as if its attribute agreed everywhere; without `col`, only
+/// quadrants with a disagreement can be active.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
+pub struct Enabled {
+    /// [`Selective::tau_col`].
+    pub col: bool,
+    /// [`Selective::tau_poid`].
+    pub poid: bool,
+    /// [`Selective::tau_psn`].
+    pub psn: bool,
+    /// [`Selective::tau_psc`].
+    pub psc: bool,
+    /// [`Selective::tau_pte`].
+    pub pte: bool,
+    /// [`Selective::tau_soid`].
+    pub soid: bool,
+    /// [`Selective::tau_ssn`].
+    pub ssn: bool,
+    /// [`Selective::tau_ssc`].
+    pub ssc: bool,
+    /// [`Selective::tau_ste`].
+    pub ste: bool,
+}
+
+impl Enabled {
+    /// Every threshold.
+    pub const ALL: Self =
+        Self { col: true, poid: true, psn: true, psc: true, pte: true, soid: true, ssn: true, ssc: true, ste: true };
+    /// None: nothing is active.
+    pub const NONE: Self = Self {
+        col: false,
+        poid: false,
+        psn: false,
+        psc: false,
+        pte: false,
+        soid: false,
+        ssn: false,
+        ssc: false,
+        ste: false,
+    };
+}
+
+impl Default for Enabled {
+    fn default() -> Self {
+        Self::ALL
+    }
+}
+
+/// What [`Technique::Selective`] contrasts (section 4.1.2).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+pub enum ColorReference {
+    /// The shaded colours, channel by channel.
+    #[default]
+    Color,
+    /// Their luminance, against 1.02 τ.
+    Luminance,
+    /// The greatest length of the four luminance gradients, by the Sobel operator, a step from black to white between two pixels
+    /// being 1, against 1.02 τ: not a ratio, so that the dark counts for little.
+    Gradient,
+}
+
+impl Selective {
+    /// With the thresholds of the paper's table 2 for its tests at about 20 % of nine samples a pixel. τa, that of colour and
+    /// textures, is 0.6 there; the paper's range is 0.1 to 1.
+    pub const PAPER: Self = Self {
+        tau_col: 0.6,
+        tau_poid: 0.05,
+        tau_psn: 0.06,
+        tau_psc: 0.06,
+        tau_pte: 0.6,
+        tau_soid: 0.05,
+        tau_ssn: 0.06,
+        tau_ssc: 0.06,
+        tau_ste: 0.6,
+        enabled: Enabled::ALL,
+        reference: ColorReference::Color,
+        curve: LuminanceCurve::Linear,
+        contrast_min: 0.0,
+        normal_cosine: 0.9,
+        shadow_lights: false,
+        bilinear: false,
+        focused: false,
+        footprint: 1.0,
+        edge_aware_first: false,
+    };
+
+    /// Names and values of the thresholds, and whether each is enabled: colour, then object, normal, shadow and texture of what
+    /// pixels show, then of what they reflect and refract.
+    pub(crate) fn thresholds(&self) -> [(&'static str, f32, bool); 9] {
+        let e = &self.enabled;
+        [
+            ("selective.tau_col", self.tau_col, e.col),
+            ("selective.tau_poid", self.tau_poid, e.poid),
+            ("selective.tau_psn", self.tau_psn, e.psn),
+            ("selective.tau_psc", self.tau_psc, e.psc),
+            ("selective.tau_pte", self.tau_pte, e.pte),
+            ("selective.tau_soid", self.tau_soid, e.soid),
+            ("selective.tau_ssn", self.tau_ssn, e.ssn),
+            ("selective.tau_ssc", self.tau_ssc, e.ssc),
+            ("selective.tau_ste", self.tau_ste, e.ste),
+        ]
+    }
+}
+
+impl Default for Selective {
+    fn default() -> Self {
+        Self {
+            tau_col: 0.1,
+            tau_poid: 0.01,
+            tau_psn: 0.01,
+            tau_psc: 0.01,
+            tau_pte: 0.1,
+            tau_soid: 0.01,
+            tau_ssn: 0.01,
+            tau_ssc: 0.01,
+            tau_ste: 0.1,
+            enabled: Enabled::ALL,
+            reference: ColorReference::Color,
+            curve: LuminanceCurve::Perceptual,
+            contrast_min: 0.02,
+            normal_cosine: 0.95,
+            shadow_lights: true,
+            bilinear: true,
+            focused: false,
+            footprint: 0.5,
+            edge_aware_first: true,
+        }
+    }
 }
 
 /// The bilateral filter of [`Technique::Reconstructed`] over the shaded samples of 3 × 3 windows. The default adds to the paper what
@@ -291,7 +483,9 @@ pub enum DebugView {
     Image = 0,
     /// k, on a log scale: 1 black, through red and yellow, n white.
     Count = 1,
-    /// The metric that decided k: black none, red depth, green normal, blue luminance, yellow identity, cyan shadow.
+    /// The metric that decided k: black none, red depth, green normal, blue luminance, yellow identity, cyan shadow. Of
+    /// [`Technique::Selective`], what the threshold of the window's first active quadrant is for: black none is, red shadow, green
+    /// normal, blue colour or texture, yellow object.
     Decided = 2,
     /// The first samples S, exposed, c/(1+c).
     First = 3,
@@ -313,11 +507,13 @@ pub enum DebugView {
     Object = 11,
     /// The host's 32 bits as RGB, 8 bits each.
     User = 12,
+    /// Active quadrants of [`Technique::Selective`]: 0 black, 1 red, 2 green, 3 blue, 4 white (Jin et al. 2009, figure 1).
+    Quadrants = 13,
 }
 
 impl DebugView {
     /// All of them, in order.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Image,
         Self::Count,
         Self::Decided,
@@ -331,6 +527,7 @@ impl DebugView {
         Self::Material,
         Self::Object,
         Self::User,
+        Self::Quadrants,
     ];
 }
 
@@ -492,6 +689,9 @@ impl Settings {
             ("reconstructed.contrast_scale", self.reconstructed.contrast_scale, 0.0, 1e6),
             ("reconstructed.contrast_min", self.reconstructed.contrast_min, 0.0, 1.0),
             ("reconstructed.footprint", self.reconstructed.footprint, 0.0, 4.0),
+            ("selective.contrast_min", self.selective.contrast_min, 0.0, 1.0),
+            ("selective.normal_cosine", self.selective.normal_cosine, -1.0, 1.0),
+            ("selective.footprint", self.selective.footprint, 0.0, 4.0),
             ("windowed.tile_limit", w.tile_limit as f32, 0.0, Windowed::NO_TILE_LIMIT as f32),
             match self.goal {
                 Some(Goal::Error(error)) => ("goal.error", error, 0.0, 1.0),
@@ -499,7 +699,8 @@ impl Settings {
                 None => ("goal", 0.0, 0.0, 0.0),
             },
         ];
-        for (field, value, least, most) in ranges {
+        let thresholds = self.selective.thresholds().map(|(field, value, _)| (field, value, 0.0, 1.0));
+        for (field, value, least, most) in ranges.into_iter().chain(thresholds) {
             // Written so that NaN fails.
             if !(least..=most).contains(&value) {
                 return Err(SettingsError { field, value, least, most });

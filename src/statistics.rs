@@ -20,6 +20,7 @@ pub(crate) struct Counters {
     pub reflection_rays: u32,
     pub refraction_rays: u32,
     pub tiles: [u32; 2],
+    pub quadrants: [u32; 9],
 }
 
 pub(crate) const COUNTER_BYTES: u64 = size_of::<Counters>() as u64;
@@ -52,6 +53,9 @@ pub struct Statistics {
     pub histogram_k: Vec<u32>,
     /// Windows whose k was decided by nothing (k = 1), depth, normal, luminance, identity, the least allowed, shadow.
     pub decided: [u32; 7],
+    /// Active quadrants of [`Technique::Selective`] by what their threshold is for: colour, then object, normal, shadow and texture
+    /// of what pixels show, then of what they reflect and refract.
+    pub quadrants: [u32; 9],
     /// Samples that came back from the host's code with NaN or infinity, and were shaded black.
     pub not_finite: u32,
     /// Samples that came back with a negative component, and were clamped to 0.
@@ -270,7 +274,7 @@ fn read(bytes: &[u8], recorded: &Recorded, nanoseconds_per_tick: Option<f64>) ->
         histogram_k[k - 1] = windows as u32;
         decided = [windows as u32, 0, 0, 0, 0, 0, 0];
     }
-    if recorded.technique == Technique::Reconstructed {
+    if matches!(recorded.technique, Technique::Reconstructed | Technique::Selective) {
         decided = [windows as u32, 0, 0, 0, 0, 0, 0];
     }
     let shaded = histogram_k.iter().zip(1u64..).map(|(&windows, k)| u64::from(windows) * k).sum();
@@ -290,6 +294,7 @@ fn read(bytes: &[u8], recorded: &Recorded, nanoseconds_per_tick: Option<f64>) ->
         mean_k: shaded as f64 / windows as f64,
         histogram_k,
         decided,
+        quadrants: c.quadrants,
         not_finite: c.not_finite,
         negative: c.negative,
         overflowed_tiles: c.overflowed_tiles,

@@ -79,7 +79,7 @@ pub(crate) struct Traces {
     pub tiles: wgpu::Buffer,
     /// The shadow bits of all samples.
     pub shadows: Option<wgpu::Buffer>,
-    /// What all samples reflect and refract.
+    /// What all samples reflect and refract, and with hits what the rays of first samples met.
     pub secondary: Option<wgpu::Buffer>,
 }
 
@@ -130,29 +130,36 @@ impl Traces {
         scratch::plan_bytes(size) * u64::from(m * m)
     }
 
+    /// Bytes of what the rays of first samples met: three words each of a mirrored and a refracted one.
+    pub fn hit_bytes(size: [u32; 2]) -> u64 {
+        scratch::plan_bytes(size) * 6
+    }
+
     /// Bytes held.
     pub fn held(&self) -> u64 {
         let found = [&self.shadows, &self.secondary].into_iter().flatten();
         self.tiles.size() + found.map(wgpu::Buffer::size).sum::<u64>()
     }
 
-    /// Makes what is missing. Whether anything was.
-    pub fn make(&mut self, device: &wgpu::Device, size: [u32; 2], m: u32, traced: Traced) -> bool {
-        let buffer = |label| {
+    /// Makes what is missing, `hits` what `Selective` reads. Whether anything was.
+    pub fn make(&mut self, device: &wgpu::Device, size: [u32; 2], m: u32, traced: Traced, hits: bool) -> bool {
+        let buffer = |label, size| {
             device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some(label),
-                size: Self::bytes(size, m),
+                size,
                 usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST,
                 mapped_at_creation: false,
             })
         };
-        let [shadows, secondary] =
-            [traced.shadows && self.shadows.is_none(), traced.secondary && self.secondary.is_none()];
+        let bytes = Self::bytes(size, m);
+        let wanted = bytes + if hits { Self::hit_bytes(size) } else { 0 };
+        let shadows = traced.shadows && self.shadows.is_none();
+        let secondary = traced.secondary && self.secondary.as_ref().is_none_or(|held| held.size() < wanted);
         if shadows {
-            self.shadows = Some(buffer("daa shadows"));
+            self.shadows = Some(buffer("daa shadows", bytes));
         }
         if secondary {
-            self.secondary = Some(buffer("daa secondary"));
+            self.secondary = Some(buffer("daa secondary", wanted));
         }
         shadows || secondary
     }

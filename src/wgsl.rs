@@ -146,6 +146,7 @@ impl HostSource {
     /// A module that shades: the host's source, the contract, what reads and averages samples, and a pass.
     pub fn join(&self, pass: &str, traced: Traced) -> String {
         let [hook, sky] = self.calls();
+        let [shadows, secondary] = found(traced);
         join(&[
             directives(self.tier),
             &self.source,
@@ -154,8 +155,8 @@ impl HostSource {
             table_chunk(self.tier),
             chunk::SAMPLE,
             chunk::SHARED_EXPONENT,
-            if traced.shadows { chunk::SHADOWS } else { chunk::SHADOWS_NONE },
-            if traced.secondary { chunk::SECONDARY } else { chunk::SECONDARY_NONE },
+            shadows,
+            secondary,
             chunk::MEAN,
             chunk::STATISTICS,
             hook,
@@ -230,21 +231,30 @@ impl HostSource {
 
 /// A module of the crate's own that only reads the G-buffer.
 pub(crate) fn join_plain(pass: &str) -> String {
-    join_traced_plain(pass, Traced::default())
+    join_reading(pass, Traced::default())
 }
 
-/// The same, with what was traced.
-pub(crate) fn join_traced_plain(pass: &str, traced: Traced) -> String {
+/// The same, which reads what was traced, too.
+pub(crate) fn join_reading(pass: &str, traced: Traced) -> String {
+    let [shadows, secondary] = found(traced);
     join(&[
         chunk::CONTRACT,
         chunk::OCTAHEDRAL,
         chunk::SAMPLE,
         chunk::SHARED_EXPONENT,
-        if traced.shadows { chunk::SHADOWS } else { chunk::SHADOWS_NONE },
-        if traced.secondary { chunk::SECONDARY } else { chunk::SECONDARY_NONE },
+        shadows,
+        secondary,
         chunk::STATISTICS,
         pass,
     ])
+}
+
+/// What reads what was traced.
+fn found(traced: Traced) -> [&'static str; 2] {
+    [
+        if traced.shadows { chunk::SHADOWS } else { chunk::SHADOWS_NONE },
+        if traced.secondary { chunk::SECONDARY } else { chunk::SECONDARY_NONE },
+    ]
 }
 
 fn join(chunks: &[&str]) -> String {
@@ -408,11 +418,11 @@ fn one_line(text: &str) -> String {
 pub(crate) const BUILTINS: &[&str] = &[
     "RayDesc", "abs", "all", "any", "array", "arrayLength", "atan2", "atomic", "atomicAdd", "atomicLoad", "atomicOr", "atomicStore", "binding_array",
     "bitcast", "bool", "clamp", "cos", "countOneBits", "cross", "dot", "exp2", "f32", "firstLeadingBit", "firstTrailingBit", "fract", "i32", "inverseSqrt", "length", "log2",
-    "mat3x3f", "mat4x2f", "mat4x4f", "max", "min", "normalize", "pow", "rayQueryConfirmIntersection", "rayQueryGetCandidateIntersection", "rayQueryGetCommittedIntersection",
+    "mat3x3f", "mat4x2f", "mat4x4f", "max", "min", "normalize", "pack2x16snorm", "pow", "rayQueryConfirmIntersection", "rayQueryGetCandidateIntersection", "rayQueryGetCommittedIntersection",
     "rayQueryInitialize", "rayQueryProceed", "reflect", "refract", "round", "sampler", "select", "sign", "sin", "sqrt", "textureLoad",
     "textureSampleGrad", "textureStore", "texture_2d", "texture_2d_array", "texture_depth_2d", "texture_storage_2d",
     "u32", "unpack2x16float", "unpack2x16snorm", "unpack4x8snorm", "unpack4x8unorm", "vec2f", "vec2i", "vec2u",
-    "vec3f", "vec3u", "vec4f", "vec4u", "workgroupBarrier", "workgroupUniformLoad",
+    "vec3f", "vec3i", "vec3u", "vec4f", "vec4u", "workgroupBarrier", "workgroupUniformLoad",
 ];
 
 /// Identifiers, numbers and single characters of WGSL with their places, comments left out.

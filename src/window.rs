@@ -45,6 +45,49 @@ pub fn rotated_samples(m: u32) -> u32 {
     if m >= 4 && m.is_multiple_of(2) { m } else { m * m }
 }
 
+/// [`order`], but first the sample nearest to the pixel's centre, of several the one that `order` has first:
+/// [`Technique::Selective`](crate::Technique::Selective) compares pixels by it.
+pub fn centred(m: u32) -> Vec<(u8, u8)> {
+    let mut places = order(m);
+    let off = |v: u8| (2 * i32::from(v) + 1 - m as i32).abs();
+    let nearest = places.iter().map(|&(x, y)| off(x) + off(y)).min();
+    let first = places.iter().position(|&(x, y)| Some(off(x) + off(y)) == nearest && !dropped(m, x, y));
+    places[..=first.unwrap_or(0)].rotate_right(1);
+    places
+}
+
+/// The quadrants of the window whose sample this is, a bit each: upper left, upper right, lower left, lower right. Where a
+/// sample lies in several, each has its share of it. A quadrant has four samples: at m = 4 its own, at m = 3 those that reach
+/// into it, above that one of each quarter of it; at m = 2 there is but one.
+pub fn quadrants(m: u32, x: u8, y: u8) -> u32 {
+    if dropped(m, x, y) {
+        return 0;
+    }
+    // Along one axis: 1 the first half, 2 the second, 3 both.
+    let halves = |v: u8| u32::from(2 * u32::from(v) < m) | u32::from(2 * u32::from(v) + 2 > m) << 1;
+    let row = halves(x);
+    [row, row << 2, row | row << 2][halves(y) as usize - 1]
+}
+
+/// Samples of all quadrants together.
+pub fn quadrant_samples(m: u32) -> u32 {
+    (m * m).min(16)
+}
+
+/// Whether a sample is not the one of its sixteenth of the window: of those the nearest to its centre is taken, and of four that
+/// are as near another one from row to row and from column to column.
+fn dropped(m: u32, x: u8, y: u8) -> bool {
+    let (x, y) = (u32::from(x), u32::from(y));
+    match m {
+        5..=7 => {
+            let taken: &[u32] = [&[0, 1, 3, 4][..], &[0, 2, 3, 5], &[0, 2, 4, 6]][m as usize - 5];
+            !taken.contains(&x) || !taken.contains(&y)
+        }
+        8 => x % 2 != y / 2 % 2 || y % 2 != x / 2 % 2,
+        _ => false,
+    }
+}
+
 /// Bayer's recursion: each place of the small matrix, in its order, in all four quadrants in the order of the 2 × 2 matrix.
 fn doubled(small: &[(u8, u8)], m: u32) -> Vec<(u8, u8)> {
     let m = m as u8;
@@ -110,6 +153,51 @@ mod tests {
         let mut grid = rotated(4)[..4].to_vec();
         grid.sort_unstable_by_key(|p| p.1);
         assert_eq!(grid, [(1, 0), (3, 1), (0, 2), (2, 3)]);
+    }
+
+    #[test]
+    fn quadrants_have_four_samples_each_that_cover_them_evenly() {
+        for m in 1..=MAX_M {
+            let places = centred(m);
+            let mut sorted = places.clone();
+            sorted.sort_unstable();
+            let mut all = order(m);
+            all.sort_unstable();
+            assert_eq!(sorted, all, "m = {m}");
+            // Shares of a quadrant add up to a quarter of the samples, and lie around its middle.
+            let mut cover = [[0.0f64; 3]; 4];
+            let mut taken = 0;
+            for &(x, y) in &places {
+                let of = quadrants(m, x, y);
+                taken += u32::from(of != 0);
+                for (i, sums) in cover.iter_mut().enumerate().filter(|(i, _)| of >> i & 1 == 1) {
+                    let share = 1.0 / f64::from(of.count_ones());
+                    let apart = |v: u8, half: usize| {
+                        // Where a sample is cut, its middle is that of its part.
+                        let (low, high) = (f64::from(v), f64::from(v) + 1.0);
+                        let middle = f64::from(m) / 2.0;
+                        let (low, high) = if half == 0 { (low, high.min(middle)) } else { (low.max(middle), high) };
+                        (low + high) / 2.0 / f64::from(m)
+                    };
+                    let [dx, dy] = [apart(x, i & 1), apart(y, i >> 1)];
+                    *sums = [sums[0] + share, sums[1] + share * dx, sums[2] + share * dy];
+                }
+            }
+            assert_eq!(taken, quadrant_samples(m), "m = {m}");
+            for (i, [sum, x, y]) in cover.into_iter().enumerate() {
+                assert!((sum - f64::from(taken) / 4.0).abs() < 1e-12, "m = {m}");
+                let middle = [0.25, 0.75];
+                let off = (x / sum - middle[i & 1]).abs().max((y / sum - middle[i >> 1]).abs());
+                assert!(off < 0.051, "m = {m}, quadrant {i}: {off} off its middle");
+            }
+            let (x, y) = places[0];
+            let near = |v: u8| (2 * i32::from(v) + 1 - m as i32).abs() <= 1;
+            assert!(near(x) && near(y), "m = {m}");
+        }
+        // As printed where that is nearest to the centre already.
+        assert_eq!((centred(3), centred(4)), (order(3), order(4)));
+        let rows: Vec<Vec<u32>> = (0..3).map(|y| (0..3).map(|x| quadrants(3, x, y)).collect()).collect();
+        assert_eq!(rows, [[1, 3, 2], [5, 15, 10], [4, 12, 8]]);
     }
 
     #[test]

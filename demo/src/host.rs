@@ -4,12 +4,12 @@ use crate::gpu::Gpu;
 use crate::picture::Picture;
 use crate::raster::{Raster, node_camera};
 use crate::rays::{self, Rays};
-use crate::scene::{Camera, Scene};
+use crate::scene::{Camera, Material, Scene};
 use crate::upload::{GpuScene, UploadError};
 use deferred_aa::rays::{RayError, RayTier};
 use deferred_aa::{
-    BuildError, CastingLight, DeferredAa, Descriptor, Effect, Frame, GBuffer, Needs, RecordError, Settings, Shading,
-    SizeError, Statistics, Technique, TextureTier,
+    BuildError, CastingLight, DeferredAa, Descriptor, Effect, Frame, GBuffer, Needs, ObjectImportance, RecordError,
+    Settings, Shading, SizeError, Statistics, Technique, TextureTier,
 };
 
 /// Of the target: linear HDR, as most engines have it.
@@ -55,6 +55,10 @@ pub struct Host {
     pub options: Options,
     /// Materials that reflect or refract.
     bouncing: Vec<u32>,
+    /// Materials with a texture.
+    textured: Vec<u32>,
+    /// Of objects, for `Settings::selective.focused`.
+    pub importance: Vec<ObjectImportance>,
     /// From the first frame that traces.
     pub rays: Option<Rays>,
     raster: Raster,
@@ -219,6 +223,8 @@ impl Host {
         let host = Self {
             aa,
             bouncing: rays::bouncing(&scene),
+            textured: textured(&scene),
+            importance: Vec::new(),
             scene,
             uploaded,
             options,
@@ -285,7 +291,13 @@ impl Host {
         }
         let rays = self.rays.as_ref().filter(|_| traces).map(|r| &r.scene);
         let frame = Frame {
-            needs: Needs { rays, shadows: &shadows, bounces: &self.bouncing },
+            needs: Needs {
+                rays,
+                shadows: &shadows,
+                bounces: &self.bouncing,
+                textured: &self.textured,
+                importance: &self.importance,
+            },
             camera,
             settings,
             exposure: 1.0,
@@ -304,7 +316,7 @@ impl Host {
     /// Whether the pipelines of a frame with these settings are compiled.
     pub fn is_ready(&self, settings: Settings) -> bool {
         let shadows = self.casting(settings.shadows);
-        self.aa.is_ready(&settings, &Needs { rays: None, shadows: &shadows, bounces: &self.bouncing })
+        self.aa.is_ready(&settings, &Needs { shadows: &shadows, bounces: &self.bouncing, ..Default::default() })
     }
 
     /// The lights that cast shadows in a frame: those of the scene that do, and the sun if it does or is asked to.
@@ -395,7 +407,7 @@ impl Host {
         let uniform = |k| vec![k; (width * height) as usize];
         match (technique, self.aa.intermediates()) {
             (Technique::Full, _) => uniform(self.options.m * self.options.m),
-            (Technique::Windowed | Technique::Reconstructed, Some(passed)) => {
+            (Technique::Windowed | Technique::Reconstructed | Technique::Selective, Some(passed)) => {
                 let bytes = self.gpu.read_buffer(passed.plan);
                 let plan: Vec<u32> = bytemuck::pod_collect_to_vec(&bytes);
                 let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
@@ -411,6 +423,15 @@ impl Host {
         }
         self.gpu.complaint().map_or(Ok(()), |complaint| Err(HostError::Device(complaint)))
     }
+}
+
+/// The materials that read a texture for more than their occlusion.
+fn textured(scene: &Scene) -> Vec<u32> {
+    let reads = |m: &Material| {
+        let maps = [&m.base_color_texture, &m.metallic_roughness_texture, &m.normal_texture, &m.emissive_texture];
+        maps.into_iter().any(Option::is_some)
+    };
+    (0..).zip(&scene.materials).filter(|(_, m)| reads(m)).map(|(i, _)| i).collect()
 }
 
 /// The unit vector of a 16+16-bit code of the G-buffer.

@@ -121,10 +121,13 @@ fn numbers_out_of_range() {
 
 #[test]
 fn techniques_and_settings() {
-    refused(&["--technique", "magic"], &["no technique 'magic': choose full, single, windowed or reconstructed"]);
+    refused(
+        &["--technique", "magic"],
+        &["no technique 'magic': choose full, single, windowed, reconstructed or selective"],
+    );
     refused(
         &["--technique", "windwed"],
-        &["no technique 'windwed': did you mean windowed? choose full, single, windowed or reconstructed"],
+        &["no technique 'windwed': did you mean windowed? choose full, single, windowed, reconstructed or selective"],
     );
     refused(&["--preset", "fsat"], &["no preset 'fsat': did you mean fast? choose fast, balanced or quality"]);
     refused(&["--textures", "none"], &["'none'", "arrays"]);

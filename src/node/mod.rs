@@ -15,7 +15,8 @@ use crate::pipeline::{self, Build};
 use crate::rays::RayTier;
 use crate::requirements::{self, Memory, Requirements};
 use crate::scratch::{self, List, ListKind, Scratch};
-use crate::settings::Settings;
+use crate::select::Marks;
+use crate::settings::{Settings, Technique};
 use crate::statistics::{Collector, Recorded, Statistics};
 use crate::table::{TableTexture, Tables, TextureTable, TextureTier};
 use crate::traces::Samples;
@@ -85,6 +86,7 @@ pub struct DeferredAa {
     tables: Option<Tables>,
     uniforms: wgpu::Buffer,
     rays: Option<RayBuffers>,
+    marks: Option<Marks>,
     sized: Option<Sized>,
     collector: Collector,
     controller: Controller,
@@ -100,7 +102,9 @@ pub struct Intermediates<'a> {
     pub color: &'a wgpu::Texture,
     /// The plan of [`Technique::Windowed`](crate::Technique::Windowed): a word for each pixel of each tile, k in bits 0 to 7, the deciding metric in
     /// bits 8 to 15 (0 nothing, 1 depth, 2 normal, 3 luminance, 4 identity), the samples of the tile before this window's
-    /// in bits 16 to 31. See [`plan_index`](Self::plan_index).
+    /// in bits 16 to 31. See [`plan_index`](Self::plan_index). Of [`Technique::Selective`]: k likewise, what the threshold of the
+    /// first active quadrant is for in bits 8 to 15 (0: none is active, else as in [`Statistics::quadrants`], from 1), active
+    /// quadrants in bits 16 to 19, as [`window::quadrants`](crate::window::quadrants) has them.
     pub plan: &'a wgpu::Buffer,
     /// Tiles along x and y.
     pub tiles: [u32; 2],
@@ -115,7 +119,8 @@ pub struct Intermediates<'a> {
     /// The tiles in which rays were wanted, once a frame traced: `DaaTileLists` of classify.wgsl, two classes of four words, of
     /// which the first counts, then the tiles of either.
     pub tile_lists: Option<&'a wgpu::Buffer>,
-    /// What they reflect and refract, likewise: codes of shared_exponent.wgsl, 0 where nothing was traced.
+    /// What they reflect and refract, likewise: codes of shared_exponent.wgsl, 0 where nothing was traced. Behind them, once
+    /// [`Technique::Selective`] ran, what the rays of first samples met: `daa_secondary_hit` of secondary.wgsl, word by word.
     pub secondary: Option<&'a wgpu::Buffer>,
 }
 
@@ -181,6 +186,7 @@ impl DeferredAa {
                 mapped_at_creation: false,
             }),
             rays: None,
+            marks: None,
             sized: None,
             collector: Collector::new(device),
             controller: Controller::default(),
@@ -252,9 +258,10 @@ impl DeferredAa {
     /// Bytes of GPU memory held for the present size.
     pub fn memory(&self) -> Memory {
         let size = self.sized.as_ref().map_or([0, 0], |s| s.scratch.size);
+        let marks = if self.marks.is_some() { Marks::BYTES } else { 0 };
         Memory {
             gbuffer: scratch::gbuffer_bytes(size, self.build().m),
-            scratch: if size == [0, 0] { 0 } else { scratch::scratch_bytes(size) + self.list_bytes(size) },
+            scratch: if size == [0, 0] { 0 } else { scratch::scratch_bytes(size) + self.list_bytes(size) + marks },
             rays: self.ray_bytes(),
         }
     }
@@ -339,6 +346,9 @@ impl DeferredAa {
         frame: &'a Frame<'a>,
     ) -> Result<Recording<'a>, RecordError> {
         frame.settings.validate()?;
+        if frame.settings.technique == Technique::Selective {
+            Marks::check(frame.needs.textured, frame.needs.importance)?;
+        }
         let sized = self.sized.as_ref().ok_or(RecordError::NoSize)?;
         let [width, height] = sized.scratch.size;
         let target = frame.target.texture();
@@ -377,10 +387,16 @@ impl DeferredAa {
         let set = self.pipelines.serve(&frame.settings, traced)?;
         let sized = self.sized.as_mut().ok_or(RecordError::NoSize)?;
         sized.make_list(&self.pipelines, &frame.settings)?;
+        let selects = frame.settings.technique == Technique::Selective;
+        if selects {
+            let marks = self.marks.get_or_insert_with(|| Marks::new(&self.pipelines.build.device));
+            sized.make_select(&self.pipelines, marks);
+            marks.write(queue, frame.needs.textured, frame.needs.importance);
+        }
         if let (Some(tracing), Some(scene), true) = (&self.pipelines.tracing, frame.needs.rays, traced.any()) {
             let lights_bytes = LIGHTS_STRIDE * UNIFORM_SLOTS * Samples::COUNT;
             let buffers = self.rays.get_or_insert_with(|| RayBuffers::new(&self.pipelines.build.device, lights_bytes));
-            sized.make_traces(&self.pipelines, tracing, buffers, scene, traced)?;
+            sized.make_traces(&self.pipelines, tracing, buffers, scene, traced, selects)?;
             buffers.write_bouncing(queue, frame.needs.bounces);
             if let Some(made) = &sized.traced {
                 made.traces.clear(encoder, size, traced);

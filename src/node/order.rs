@@ -10,7 +10,7 @@ use crate::settings::{DebugView, Execution, Goal, Settings, Technique};
 use crate::shade::{self, Variant};
 use crate::statistics::MAX_PASSES;
 use crate::traces::Samples;
-use crate::{audit, bounce, classify, first, max_filter, metrics, plan, reconstruct, view};
+use crate::{audit, bounce, classify, extra, first, max_filter, metrics, plan, reconstruct, select, view};
 
 /// A pass of the frame, in the order in which [`DeferredAa::passes`](crate::DeferredAa::passes) yields it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -30,10 +30,12 @@ pub(super) enum Step {
     Metrics,
     MaxFilter,
     Plan,
+    Select,
     List(ListKind),
     Shade(Variant),
     Listed(Listing),
     Reconstruct,
+    Extra,
     Resolve(Source),
     View { first: bool, planned: bool },
     Audit,
@@ -48,6 +50,7 @@ pub(super) fn order(settings: &Settings, traced: Traced) -> [Option<Step>; MAX_P
         (Technique::Single, _) => (None, Source::First),
         (Technique::Windowed, execution) => (Some(execute(execution)), Source::ByPlan),
         (Technique::Reconstructed, _) => (Some(Step::Reconstruct), Source::Color),
+        (Technique::Selective, _) => (Some(Step::Extra), Source::Color),
     };
     let list = match shade {
         Some(Step::Listed(listing)) => Some(Step::List(listing.kind())),
@@ -59,22 +62,24 @@ pub(super) fn order(settings: &Settings, traced: Traced) -> [Option<Step>; MAX_P
     let bounce = |samples, when| (when && traced.secondary).then_some(Step::Bounce(samples));
     let before = if settings.technique == Technique::Full { Samples::Full } else { Samples::First };
     let reconstructs = settings.technique == Technique::Reconstructed;
+    let selects = settings.technique == Technique::Selective;
+    let more = planned || reconstructs || selects;
     let beyond = if reconstructs { Samples::Geometric } else { Samples::Planned };
     [
         traced.any().then_some(Step::Classify { bounces: traced.secondary }),
         trace(before, true),
         bounce(before, true),
         first.then_some(Step::First),
-        planned.then_some(Step::Metrics),
+        if selects { Some(Step::Select) } else { planned.then_some(Step::Metrics) },
         filtered.then_some(Step::MaxFilter),
         planned.then_some(Step::Plan),
-        trace(beyond, planned || reconstructs),
-        bounce(beyond, planned || reconstructs),
+        trace(beyond, more),
+        bounce(beyond, more),
         list,
         shade,
         Some(match settings.view {
             DebugView::Image => Step::Resolve(source),
-            _ => Step::View { first, planned: planned || reconstructs },
+            _ => Step::View { first, planned: more },
         }),
         // Behind the image, which does not wait for it.
         trace(Samples::Audited, audited),
@@ -98,7 +103,13 @@ impl Step {
     pub fn shades(self) -> bool {
         matches!(
             self,
-            Self::Bounce(_) | Self::First | Self::Shade(_) | Self::Listed(_) | Self::Reconstruct | Self::Audit
+            Self::Bounce(_)
+                | Self::First
+                | Self::Shade(_)
+                | Self::Listed(_)
+                | Self::Reconstruct
+                | Self::Extra
+                | Self::Audit
         )
     }
 
@@ -118,7 +129,7 @@ impl Step {
 
     /// Whether it shades the frame's samples, or judges them, which bring along what was traced.
     pub fn reads_traced(self) -> bool {
-        self == Self::Metrics || (self.shades() && !matches!(self, Self::Bounce(_)))
+        matches!(self, Self::Metrics | Self::Select) || (self.shades() && !matches!(self, Self::Bounce(_)))
     }
 
     pub fn info(self, traced: Traced) -> PassInfo {
@@ -133,6 +144,8 @@ impl Step {
             Self::Metrics => metrics::INFO,
             Self::MaxFilter => max_filter::INFO,
             Self::Plan => plan::INFO,
+            Self::Select if traced => select::INFO_TRACED,
+            Self::Select => select::INFO,
             Self::List(_) => list::INFO,
             Self::Listed(_) if traced => listed::INFO_TRACED,
             Self::Listed(_) => listed::INFO,
@@ -142,6 +155,8 @@ impl Step {
             Self::Shade(_) => shade::INFO,
             Self::Reconstruct if traced => reconstruct::INFO_TRACED,
             Self::Reconstruct => reconstruct::INFO,
+            Self::Extra if traced => extra::INFO_TRACED,
+            Self::Extra => extra::INFO,
             Self::Resolve(source) => source.info(),
             Self::View { first, planned } => view::info(first, planned),
             Self::Audit if traced => audit::INFO_TRACED,

@@ -6,6 +6,7 @@ use crate::bounce::Bounce;
 use crate::classify::Classify;
 use crate::effects::Traced;
 use crate::error::RecordError;
+use crate::extra::Extra;
 use crate::first::First;
 use crate::list::Lists;
 use crate::listed::Listed;
@@ -16,6 +17,7 @@ use crate::plan::Plan;
 use crate::rays::RayTier;
 use crate::reconstruct::Reconstruct;
 use crate::resolve::Resolve;
+use crate::select::Select;
 use crate::settings::Settings;
 use crate::shade::Shade;
 use crate::trace::Trace;
@@ -36,6 +38,8 @@ pub(super) struct Pipelines {
     pub shade: Shade,
     pub listed: Listed,
     pub reconstruct: Reconstruct,
+    pub select: Select,
+    pub extra: Extra,
     pub resolve: Resolve,
     pub view: View,
     pub audit: Audit,
@@ -67,6 +71,8 @@ impl Pipelines {
             shade: Shade::new(device),
             listed: Listed::new(device),
             reconstruct: Reconstruct::new(device),
+            select: Select::new(device),
+            extra: Extra::new(device),
             resolve: Resolve::new(device),
             view: View::new(device),
             audit: Audit::new(device),
@@ -152,6 +158,8 @@ impl Pipelines {
             Step::Listed(listing) => self.listed.warm_up(build, listing, traced)?,
             Step::Shade(variant) => drop(self.shade.pipeline(build, variant, traced)?),
             Step::Reconstruct => drop(self.reconstruct.pipeline(build, traced)?),
+            Step::Select => drop(self.select.pipeline(build, traced)?),
+            Step::Extra => drop(self.extra.pipeline(build, traced)?),
             Step::Resolve(source) => drop(self.resolve.pipeline(build, source)?),
             Step::View { .. } => drop(self.view.pipeline(build)?),
             Step::Audit => drop(self.audit.pipeline(build, traced)?),

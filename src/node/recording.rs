@@ -116,6 +116,11 @@ impl Recording<'_> {
             Step::Plan => (own.plan.pipeline(build), &sized.plan, [(tiles[0] * tiles[1]).div_ceil(64), 1]),
             Step::Shade(variant) => (own.shade.pipeline(build, variant, set), &sized.shade, tiles),
             Step::Reconstruct => (own.reconstruct.pipeline(build, set), &sized.reconstruct, tiles),
+            Step::Select => {
+                let Some(group) = &sized.select else { return };
+                (own.select.pipeline(build, set), group, tiles)
+            }
+            Step::Extra => (own.extra.pipeline(build, set), &sized.extra, tiles),
             Step::Audit => {
                 let groups = Audit::groups(self.audited, size);
                 (own.audit.pipeline(build, set), &sized.audit, groups)

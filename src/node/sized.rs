@@ -10,6 +10,7 @@ use crate::listed;
 use crate::pipeline::{self, Build};
 use crate::rays::RayScene;
 use crate::scratch::{self, List, Scratch};
+use crate::select::Marks;
 use crate::settings::Settings;
 use crate::traces::Traces;
 
@@ -28,6 +29,9 @@ pub(super) struct Sized {
     pub plan: wgpu::BindGroup,
     pub shade: wgpu::BindGroup,
     pub reconstruct: wgpu::BindGroup,
+    pub extra: wgpu::BindGroup,
+    /// From the first frame that selects.
+    pub select: Option<wgpu::BindGroup>,
     pub resolve: wgpu::BindGroup,
     pub view: wgpu::BindGroup,
     pub audit: wgpu::BindGroup,
@@ -108,6 +112,8 @@ impl Sized {
             plan: pipelines.plan.bind(device, &scratch),
             shade: pipelines.shade.bind(device, &scratch),
             reconstruct: pipelines.reconstruct.bind(device, &scratch),
+            extra: pipelines.extra.bind(device, &scratch),
+            select: None,
             resolve: pipelines.resolve.bind(device, &scratch),
             view: pipelines.view.bind(device, &scratch),
             audit: pipelines.audit.bind(device, &scratch),
@@ -123,6 +129,11 @@ impl Sized {
         }
         let (_, _, group) = self.served.as_ref().filter(|served| (served.0, served.1) == (traced, set))?;
         Some(group)
+    }
+
+    /// Binds what `select` reads, in the first frame that asks for it.
+    pub fn make_select(&mut self, pipelines: &Pipelines, marks: &Marks) {
+        self.select.get_or_insert_with(|| pipelines.select.bind(&pipelines.build.device, &self.scratch, marks));
     }
 
     /// Makes the list of an execution that has one, in the first frame that asks for it.
@@ -156,7 +167,8 @@ impl Sized {
         Ok(())
     }
 
-    /// Makes what rays find room in, in the first frame that traces, and binds the frame's scene.
+    /// Makes what rays find room in, in the first frame that traces, and binds the frame's scene. `hits`: with what rays of first
+    /// samples met.
     pub fn make_traces(
         &mut self,
         pipelines: &Pipelines,
@@ -164,9 +176,10 @@ impl Sized {
         buffers: &RayBuffers,
         scene: &RayScene,
         traced: Traced,
+        hits: bool,
     ) -> Result<(), RecordError> {
         let (device, m, size) = (&pipelines.build.device, pipelines.build.m, self.scratch.size);
-        let bytes = Traces::bytes(size, m);
+        let bytes = Traces::bytes(size, m) + if hits { Traces::hit_bytes(size) } else { 0 };
         let refused = |why| Err(RecordError::Traces { width: size[0], height: size[1], m, bytes, why });
         let limit = binding_limit(device);
         if bytes > limit {
@@ -176,11 +189,16 @@ impl Sized {
         let made = self
             .traced
             .get_or_insert_with(|| SizedTraces { traces: Traces::new(device, &buffers.lights, size), bound: None });
-        let added = made.traces.make(device, size, m, traced);
+        let added = made.traces.make(device, size, m, traced, hits);
         if let Some(e) = pipeline::ready(scope.pop()) {
             self.traced = None;
             self.frames[1..].fill(None);
             return refused(e.to_string());
+        }
+        if added {
+            // One that is there may have been made anew.
+            self.frames[1..].fill(None);
+            self.served = None;
         }
         let (scratch, traces) = (&self.scratch, &made.traces);
         if added || made.bound.as_ref().is_none_or(|bound| bound.generation != scene.generation()) {

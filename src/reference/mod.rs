@@ -14,6 +14,7 @@ pub mod plan;
 pub mod rays;
 pub mod reconstruct;
 pub mod resolve;
+pub mod selective;
 pub mod shared_exponent;
 pub mod trace;
 pub mod window;

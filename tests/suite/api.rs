@@ -14,7 +14,7 @@ const WIDTH: u32 = 21;
 const HEIGHT: u32 = 13;
 
 /// Every way to make an image.
-const WAYS: [(Technique, Execution); 8] = [
+const WAYS: [(Technique, Execution); 9] = [
     (Technique::Full, Execution::Loop),
     (Technique::Single, Execution::Loop),
     (Technique::Windowed, Execution::Loop),
@@ -23,6 +23,7 @@ const WAYS: [(Technique, Execution); 8] = [
     (Technique::Windowed, Execution::Sorted),
     (Technique::Windowed, Execution::MaxFiltered),
     (Technique::Windowed, Execution::Packed),
+    (Technique::Selective, Execution::Loop),
 ];
 
 fn way((technique, execution): (Technique, Execution)) -> Settings {
@@ -417,7 +418,10 @@ fn every_view_renders_on_every_way() {
             assert!(image.iter().flatten().all(|c| (0.0..=1.0).contains(c)), "{view:?} {w:?}");
         }
         // What is read from the G-buffer does not depend on how it is sampled.
-        if view as u32 > DebugView::First as u32 {
+        if view == DebugView::Quadrants {
+            let lit = |image: &Vec<[f32; 4]>| image.iter().any(|t| t[..3] != [0.0; 3]);
+            assert!(images.iter().zip(WAYS).all(|(image, w)| lit(image) == (w.0 == Technique::Selective)));
+        } else if view as u32 > DebugView::First as u32 {
             assert!(images.iter().all(|image| bits(image) == bits(&images[0])), "{view:?}");
             let lit = images[0].iter().filter(|t| t[..3] != [0.0; 3]).count();
             assert!(lit > 0 || matches!(view, DebugView::Gradient), "{view:?} is black");
@@ -429,13 +433,15 @@ fn every_view_renders_on_every_way() {
 fn passes_come_in_order_and_read_what_is_written() {
     let names =
         |settings: &Settings| DeferredAa::passes(settings, &Needs::default()).map(|p| p.info.name).collect::<Vec<_>>();
-    let expected: [&[&str]; 4] = [
+    let expected: [&[&str]; 5] = [
         &["shade", "resolve"],
         &["first", "resolve"],
         &["first", "metrics", "plan", "shade", "resolve"],
         &["first", "metrics", "plan", "shade", "resolve"],
+        &["first", "select", "extra", "resolve"],
     ];
-    for (w, expected) in WAYS.into_iter().zip(expected) {
+    let ways = WAYS[..4].iter().chain(&WAYS[8..]).copied();
+    for (w, expected) in ways.zip(expected) {
         assert_eq!(names(&way(w)), expected, "{w:?}");
         for view in DebugView::ALL {
             let settings = Settings { view, ..way(w) };

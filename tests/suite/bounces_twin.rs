@@ -258,7 +258,7 @@ impl Node {
         let frame = Frame {
             settings: Settings { technique: Technique::Full, ..Default::default() },
             textures: Some(&uploaded.table),
-            needs: Needs { rays: Some(&rays.scene), shadows: &lights(), bounces: &BOUNCES },
+            needs: Needs { rays: Some(&rays.scene), shadows: &lights(), bounces: &BOUNCES, ..Default::default() },
             statistics: true,
             ..Frame::new(camera, &self.target)
         };

@@ -3,8 +3,8 @@
 use deferred_aa::reference::metrics::{Input, Worth};
 use deferred_aa::reference::octahedral;
 use deferred_aa::{
-    BINDING_FEATURES, Camera, DeferredAa, Descriptor, Frame, GBuffer, RecordError, Settings, Shading, Statistics,
-    TextureTier, gbuffer,
+    BINDING_FEATURES, Camera, DeferredAa, Descriptor, Frame, GBuffer, Needs, RecordError, Settings, Shading,
+    Statistics, TextureTier, gbuffer,
     glam::{DVec3, Mat4, Vec2, Vec3, Vec4, camera::rh::proj::directx},
     wgpu,
 };
@@ -146,9 +146,17 @@ impl Rig {
     }
 
     pub fn try_record(&mut self, settings: Settings) -> Result<wgpu::CommandBuffer, RecordError> {
+        self.try_record_with(settings, Needs::default())
+    }
+
+    pub fn try_record_with(
+        &mut self,
+        settings: Settings,
+        needs: Needs<'_>,
+    ) -> Result<wgpu::CommandBuffer, RecordError> {
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         let frame = Frame {
-            needs: deferred_aa::Needs::default(),
+            needs,
             camera: self.camera,
             settings,
             exposure: self.exposure,
@@ -162,7 +170,11 @@ impl Rig {
     }
 
     pub fn run(&mut self, settings: Settings) -> Output {
-        let commands = self.try_record(settings).expect("a frame");
+        self.run_with(settings, Needs::default())
+    }
+
+    pub fn run_with(&mut self, settings: Settings, needs: Needs<'_>) -> Output {
+        let commands = self.try_record_with(settings, needs).expect("a frame");
         self.gpu.queue.submit([commands]);
         self.gpu.wait();
         let statistics = self.aa.statistics().expect("statistics").clone();

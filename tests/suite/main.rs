@@ -11,6 +11,7 @@ mod needs;
 mod numerics;
 mod rays;
 mod scenes;
+mod selective;
 mod shading_errors;
 mod shadows;
 mod textures;

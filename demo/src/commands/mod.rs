@@ -320,9 +320,10 @@ fn parse_technique(text: &str) -> Result<Technique, String> {
         "single" => Ok(Technique::Single),
         "windowed" => Ok(Technique::Windowed),
         "reconstructed" => Ok(Technique::Reconstructed),
+        "selective" => Ok(Technique::Selective),
         _ => {
-            let meant = did_you_mean(text, &["full", "single", "windowed", "reconstructed"]);
-            Err(format!("no technique '{text}':{meant} choose full, single, windowed or reconstructed"))
+            let meant = did_you_mean(text, &["full", "single", "windowed", "reconstructed", "selective"]);
+            Err(format!("no technique '{text}':{meant} choose full, single, windowed, reconstructed or selective"))
         }
     }
 }

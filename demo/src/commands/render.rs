@@ -13,7 +13,7 @@ use std::path::Path;
 pub struct Render {
     #[command(flatten)]
     view: ViewArgs,
-    /// full, single or windowed.
+    /// full, single, windowed, reconstructed or selective.
     #[arg(long, default_value = "windowed", value_parser = parse_technique)]
     technique: Technique,
     /// The settings of windowed: fast, balanced or quality.

@@ -1,0 +1,18 @@
+// Sets of a window's ranks: 64 bits. Knows no bindings.
+
+fn daa_with(ranks: vec2u, rank: u32) -> vec2u {
+    let bit = 1u << (rank & 31u);
+    return ranks | select(vec2u(0u, bit), vec2u(bit, 0u), rank < 32u);
+}
+
+fn daa_has(ranks: vec2u, rank: u32) -> bool {
+    return ((select(ranks.y, ranks.x, rank < 32u) >> (rank & 31u)) & 1u) != 0u;
+}
+
+fn daa_least(ranks: vec2u) -> u32 {
+    return select(firstTrailingBit(ranks.x), firstTrailingBit(ranks.y) + 32u, ranks.x == 0u);
+}
+
+fn daa_without_least(ranks: vec2u) -> vec2u {
+    return select(vec2u(ranks.x & (ranks.x - 1u), ranks.y), vec2u(0u, ranks.y & (ranks.y - 1u)), ranks.x == 0u);
+}

@@ -1,0 +1,243 @@
+// select: which quadrants of a pixel are shaded four times, from what differs between the first samples of pixels that meet at its
+// corners (Jin, Ihm, Chang, Park, Lee, Jung 2009, "Selective and Adaptive Supersampling for Real-Time Ray Tracing", sections
+// 4.1.3 and 4.2, ActSubPixDetector). CPU twin: src/reference/selective.rs.
+
+@group(3) @binding(0) var daa_first: texture_2d<f32>;
+/// k (8 bits) | what the first active quadrant's threshold is for (8 bits) | active quadrants, a bit each (4 bits).
+@group(3) @binding(1) var<storage, read_write> daa_plan: array<u32>;
+@group(3) @binding(2) var<storage, read_write> daa_statistics: DaaStatistics;
+/// A bit for each material that has a texture, then a byte for each object: its importance in 255ths.
+@group(3) @binding(3) var<storage, read> daa_marks: array<u32>;
+
+/// Words of `daa_marks` before the objects'.
+const DAA_IMPORTANCE_AT: u32 = 2048u;
+
+/// A threshold that is switched off: above all others, and more than any contrast in every channel.
+const DAA_OFF: f32 = 2.0;
+
+/// What a threshold is for, less one.
+const DAA_COLOR: u32 = 0u;
+
+/// The object where no surface is seen or met.
+const DAA_NO_OBJECT: u32 = 0xffffffffu;
+
+/// What one pixel is compared by: its colour reference, and of what it shows, reflects and refracts the normal, the object,
+/// the shadow, and whether it has a texture.
+struct DaaSeen {
+    color: vec3f,
+    hits: array<vec4u, 3>,
+}
+
+/// The tile's pixels and those around it, 10 × 10.
+var<workgroup> daa_near: array<DaaSeen, 100>;
+/// Luminances of these and those around them, 12 × 12.
+var<workgroup> daa_luminances: array<f32, 144>;
+var<workgroup> daa_group_histogram: array<atomic<u32>, 64>;
+var<workgroup> daa_group_quadrants: array<atomic<u32>, 9>;
+
+fn daa_flag(bit: u32) -> bool {
+    return (daa_frame.flags & bit) != 0u;
+}
+
+fn daa_shadow_of(bits: u32) -> u32 {
+    return select(countOneBits(bits), bits, daa_flag(DAA_FLAG_SHADOW_LIGHTS));
+}
+
+fn daa_hit(object: u32, material: u32, normal: u32, bits: u32) -> vec4u {
+    let textured = (daa_marks[material >> 5u] >> (material & 31u)) & 1u;
+    return vec4u(normal, object, daa_shadow_of(bits), textured);
+}
+
+/// What the first sample of a pixel shows (0), reflects (1) or refracts (2).
+fn daa_seen(pixel: vec2u, kind: u32) -> vec4u {
+    let nothing = vec4u(0u, DAA_NO_OBJECT, 0u, 0u);
+    if kind > 0u {
+        let hit = daa_secondary_hit(pixel, kind - 1u);
+        if hit.y == 0u {
+            return nothing;
+        }
+        return daa_hit(hit.x & 0xffffu, hit.x >> 16u, hit.y, hit.z);
+    }
+    let at = pixel * DAA_M + daa_order(0u);
+    if textureLoad(daa_gbuffer_depth, at, 0) <= DAA_SKY_DEPTH {
+        return nothing;
+    }
+    let surface = textureLoad(daa_gbuffer_surface, at, 0).xy;
+    return daa_hit(surface.y >> 16u, surface.y & 0xffffu, surface.x, daa_shadow_bits(pixel, 0u));
+}
+
+/// A radiance as the contrast sees it: exposed, and on request about as a display shows it.
+fn daa_shown(c: vec3f) -> vec3f {
+    // The product may be infinite, and ∞/∞ is no number.
+    let l = min(c * daa_frame.exposure, vec3f(1e30));
+    return select(l, sqrt(l / (1.0 + l)), daa_flag(DAA_FLAG_LUMINANCE_PERCEPTUAL));
+}
+
+/// 1 where a differs from b in object, normal and shadow.
+fn daa_disagreeing(a: vec4u, b: vec4u) -> vec4f {
+    var bent = a.x != b.x;
+    if bent && a.y != DAA_NO_OBJECT && b.y != DAA_NO_OBJECT {
+        let na = daa_octahedral_decode(unpack2x16snorm(a.x));
+        bent = dot(na, daa_octahedral_decode(unpack2x16snorm(b.x))) < daa_frame.selective_normal;
+    }
+    return vec4f(f32(a.y != b.y), f32(bent), f32(a.z != b.z), 0.0);
+}
+
+/// How much an object's attributes count, 0 to 1.
+fn daa_importance(object: u32) -> f32 {
+    if !daa_flag(DAA_FLAG_FOCUSED) {
+        return 1.0;
+    }
+    if object == DAA_NO_OBJECT {
+        return 0.0;
+    }
+    return f32((daa_marks[DAA_IMPORTANCE_AT + (object >> 2u)] >> (8u * (object & 3u))) & 0xffu) / 255.0;
+}
+
+/// A quadrant's threshold, and what it is for.
+struct DaaThreshold {
+    tau: f32,
+    by: u32,
+}
+
+/// The three pixels around a quadrant's corner, in `daa_near`.
+fn daa_corner(own: u32, quadrant: u32) -> vec3u {
+    let x = select(-1, 1, (quadrant & 1u) != 0u);
+    let y = select(-10, 10, (quadrant & 2u) != 0u);
+    return vec3u(vec3i(i32(own)) + vec3i(x, y, x + y));
+}
+
+/// The least threshold of the attributes that disagree with a neighbour at the quadrant's corner, else that of colour. Where objects
+/// have an importance, thresholds lie by the greatest of those involved between these two.
+fn daa_threshold(own: u32, quadrant: u32) -> DaaThreshold {
+    let corner = daa_corner(own, quadrant);
+    // The importance of each attribute that disagrees: of what is shown, and of what is reflected or refracted.
+    var shown = vec4f(0.0);
+    var beyond = vec4f(0.0);
+    let end = min(9u, daa_frame.size.x + 9u);
+    for (var i = 0u; i < end; i++) {
+        let kind = i / 3u;
+        let a = daa_near[own].hits[kind];
+        let neighbour = corner[i % 3u];
+        let b = daa_near[neighbour].hits[kind];
+        var differs = daa_disagreeing(a, b);
+        if any(differs > vec4f(0.0)) {
+            let of_primary = max(daa_importance(daa_near[own].hits[0].y), daa_importance(daa_near[neighbour].hits[0].y));
+            differs *= max(of_primary, max(daa_importance(a.y), daa_importance(b.y)));
+        }
+        // A texture counts wherever the pixel itself has it.
+        if a.w != 0u {
+            differs.w = max(daa_importance(daa_near[own].hits[0].y), daa_importance(a.y));
+        }
+        shown = select(shown, max(shown, differs), kind == 0u);
+        beyond = select(max(beyond, differs), beyond, kind == 0u);
+    }
+    var least = DaaThreshold(DAA_OFF, DAA_COLOR);
+    for (var i = 0u; i < min(8u, end); i++) {
+        let primary = i < 4u;
+        let importance = select(beyond[i & 3u], shown[i & 3u], primary);
+        let tau = select(daa_frame.selective_secondary[i & 3u], daa_frame.selective_primary[i & 3u], primary);
+        let between = tau * importance + min(daa_frame.selective_color, 1.0) * (1.0 - importance);
+        if importance > 0.0 && tau < DAA_OFF && between < least.tau {
+            least = DaaThreshold(between, i + 1u);
+        }
+    }
+    if least.tau == DAA_OFF {
+        least.tau = daa_frame.selective_color;
+    }
+    return least;
+}
+
+/// Whether the colours at the quadrant's corner contrast (Mitchell 1987) by a threshold or more: so that 0 takes all.
+fn daa_contrasts(own: u32, quadrant: u32, tau: f32) -> bool {
+    let corner = daa_corner(own, quadrant);
+    let a = daa_near[own].color;
+    let b = daa_near[corner.x].color;
+    let c = daa_near[corner.y].color;
+    let d = daa_near[corner.z].color;
+    let most = max(max(a, b), max(c, d));
+    let least = min(min(a, b), min(c, d));
+    var apart = most - least;
+    // Black is no contrast, and noise far below what can be seen not much.
+    var contrast = apart / max(most + least, vec3f(1e-6));
+    if daa_flag(DAA_FLAG_BY_GRADIENT) {
+        apart = most;
+        contrast = most;
+    }
+    contrast = select(contrast, vec3f(0.0), apart < vec3f(daa_frame.selective_floor));
+    let by_channel = !daa_flag(DAA_FLAG_BY_GRADIENT | DAA_FLAG_BY_LUMINANCE);
+    return any(contrast >= tau * select(vec3f(1.02), vec3f(1.36, 1.02, 2.04), by_channel));
+}
+
+/// The length of the luminance gradient at a place of `daa_near`, by the Sobel operator; 1 at a step from 0 to 1.
+fn daa_gradient(place: i32) -> f32 {
+    let at = (place / 10 + 1) * 12 + place % 10 + 1;
+    let falling = daa_luminances[at + 13] - daa_luminances[at - 13];
+    let rising = daa_luminances[at - 11] - daa_luminances[at + 11];
+    let x = 2.0 * (daa_luminances[at + 1] - daa_luminances[at - 1]) + falling + rising;
+    let y = 2.0 * (daa_luminances[at + 12] - daa_luminances[at - 12]) + falling - rising;
+    return min(length(vec2f(x, y)) * 0.25, 1.0);
+}
+
+@compute @workgroup_size(64)
+fn daa_select_main(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocation_index) lane: u32) {
+    let last = vec2i(daa_frame.size) - 1;
+    let by_luminance = daa_flag(DAA_FLAG_BY_GRADIENT | DAA_FLAG_BY_LUMINANCE);
+    for (var i = i32(lane); i < 144; i += 64) {
+        let at = clamp(vec2i(tile.xy) * 8 + vec2i(i % 12, i / 12) - 2, vec2i(0), last);
+        daa_luminances[i] = daa_shown(vec3f(daa_luminance(textureLoad(daa_first, at, 0).rgb))).x;
+    }
+    workgroupBarrier();
+    for (var i = i32(lane); i < 100; i += 64) {
+        let at = clamp(vec2i(tile.xy) * 8 + vec2i(i % 10, i / 10) - 1, vec2i(0), last);
+        var color = daa_shown(textureLoad(daa_first, at, 0).rgb);
+        if by_luminance {
+            color = vec3f(daa_luminances[(i / 10 + 1) * 12 + i % 10 + 1]);
+        }
+        if daa_flag(DAA_FLAG_BY_GRADIENT) {
+            color = vec3f(daa_gradient(i));
+        }
+        daa_near[i].color = color;
+        for (var kind = 0u; kind < 3u; kind++) {
+            daa_near[i].hits[kind] = daa_seen(vec2u(at), kind);
+        }
+    }
+    workgroupBarrier();
+
+    let pixel = tile.xy * 8u + vec2u(lane & 7u, lane >> 3u);
+    var word = 0u;
+    if all(pixel < daa_frame.size) {
+        let own = (lane / 8u + 1u) * 10u + lane % 8u + 1u;
+        var chosen = 0u;
+        var by = 0u;
+        let end = min(4u, daa_frame.size.x + 4u);
+        for (var quadrant = 0u; quadrant < end; quadrant++) {
+            let threshold = daa_threshold(own, quadrant);
+            if daa_contrasts(own, quadrant, threshold.tau) {
+                by = select(by, threshold.by + 1u, chosen == 0u);
+                chosen |= 1u << quadrant;
+                atomicAdd(&daa_group_quadrants[threshold.by], 1u);
+            }
+        }
+        var k = 1u;
+        if chosen != 0u {
+            for (var rank = 1u; rank < DAA_M * DAA_M; rank++) {
+                k += u32((daa_quadrants(rank) & chosen) != 0u);
+            }
+        }
+        atomicAdd(&daa_group_histogram[k - 1u], 1u);
+        word = k | (by << 8u) | (chosen << 16u);
+    }
+    daa_plan[(tile.y * daa_frame.tiles_x + tile.x) * 64u + lane] = word;
+    workgroupBarrier();
+    let windows = atomicLoad(&daa_group_histogram[lane]);
+    if windows > 0u {
+        atomicAdd(&daa_statistics.histogram[lane], windows);
+    }
+    if lane < 9u {
+        let quadrants = atomicLoad(&daa_group_quadrants[lane]);
+        if quadrants > 0u {
+            atomicAdd(&daa_statistics.quadrants[lane], quadrants);
+        }
+    }
+}
