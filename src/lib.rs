@@ -53,6 +53,7 @@ mod metrics;
 mod node;
 mod octahedral;
 mod pipeline;
+mod pixels;
 mod plan;
 pub mod rays;
 mod reconstruct;

@@ -2,7 +2,8 @@
 
 use crate::effects::Traced;
 use crate::error::PipelineError;
-use crate::pipeline::{Build, Lazy, PassInfo, Resource, entry};
+use crate::pipeline::{Build, Lazy, PassInfo, Resource};
+use crate::pixels;
 use crate::scratch::Scratch;
 
 pub(crate) const INFO: PassInfo = PassInfo {
@@ -34,6 +35,8 @@ pub(crate) enum Variant {
     Tiled,
 }
 
+const LABEL: &str = "daa shade";
+
 #[derive(Debug)]
 pub(crate) struct Shade {
     layout: wgpu::BindGroupLayout,
@@ -42,30 +45,12 @@ pub(crate) struct Shade {
 
 impl Shade {
     pub fn new(device: &wgpu::Device) -> Self {
-        let compute = wgpu::ShaderStages::COMPUTE;
-        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("daa shade"),
-            entries: &[
-                entry::texture(0, compute),
-                entry::buffer(1, compute, true),
-                entry::store(2),
-                entry::buffer(3, compute, false),
-            ],
-        });
+        let layout = pixels::layout(device, LABEL, false);
         Self { layout, pipelines: Default::default() }
     }
 
     pub fn bind(&self, device: &wgpu::Device, scratch: &Scratch) -> wgpu::BindGroup {
-        device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("daa shade"),
-            layout: &self.layout,
-            entries: &[
-                wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&scratch.first) },
-                wgpu::BindGroupEntry { binding: 1, resource: scratch.plan.as_entire_binding() },
-                wgpu::BindGroupEntry { binding: 2, resource: wgpu::BindingResource::TextureView(&scratch.color) },
-                wgpu::BindGroupEntry { binding: 3, resource: scratch.statistics.as_entire_binding() },
-            ],
-        })
+        pixels::bind(device, LABEL, &self.layout, scratch)
     }
 
     pub fn pipeline(

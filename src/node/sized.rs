@@ -193,6 +193,7 @@ impl Sized {
         if let Some(e) = pipeline::ready(scope.pop()) {
             self.traced = None;
             self.frames[1..].fill(None);
+            self.served = None;
             return refused(e.to_string());
         }
         if added {
