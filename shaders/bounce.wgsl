@@ -5,7 +5,7 @@
 /// What was found, rank by rank: codes of shared_exponent.wgsl. For `Selective` also what the rays of first samples met, behind them.
 @group(3) @binding(5) var<storage, read_write> daa_secondary: array<u32>;
 /// A bit for each material: it sends rays.
-@group(3) @binding(8) var<storage, read> daa_bouncing: array<u32>;
+@group(3) @binding(9) var<storage, read> daa_bouncing: array<u32>;
 
 /// Surfaces of its own object that a refracted ray passes, at most.
 const DAA_MAX_PASSAGES: u32 = 4u;
@@ -142,26 +142,35 @@ fn daa_arriving(pixel: vec2u, rank: u32, from_point: vec3f, towards: vec3f, refr
 
 var<workgroup> daa_group_rays: array<vec2u, 64>;
 
+/// Whether its material may.
+fn daa_sends_rays(pixel: vec2u, rank: u32) -> bool {
+    let material = textureLoad(daa_gbuffer_surface, pixel * DAA_M + daa_order(rank), 0).y & 0xffffu;
+    return (daa_bouncing[material >> 5u] & (1u << (material & 31u))) != 0u;
+}
+
+fn daa_wants(point: DaaPoint) -> bool {
+    return daa_sends_rays(point.pixel, point.rank);
+}
+
 @compute @workgroup_size(64)
 fn daa_bounce_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
     let ranks = daa_ranks(group.xy, lane, DAA_TILES_BOUNCE);
     var rays = vec2u(0u);
     let keeps_hits = (daa_frame.flags & DAA_FLAG_SELECTIVE) != 0u && daa_casting.samples == DAA_SAMPLES_FIRST;
-    for (var rank = ranks.first; rank < ranks.end; rank++) {
-        if !daa_wanted(ranks, rank) {
+    for (var i = ranks.first; i < ranks.end; i++) {
+        let caster = daa_caster(ranks, i);
+        let pixel = caster.pixel;
+        let rank = caster.rank;
+        if !caster.wanted || !daa_sends_rays(pixel, rank) {
             continue;
         }
-        let at = daa_sample_index(ranks.pixel, rank);
-        let material = textureLoad(daa_gbuffer_surface, ranks.pixel * DAA_M + daa_order(rank), 0).y & 0xffffu;
-        if (daa_bouncing[material >> 5u] & (1u << (material & 31u))) == 0u {
-            continue;
-        }
-        let s = daa_fetch(ranks.pixel, rank, 1.0, vec2f(0.0));
+        let at = daa_sample_index(pixel, rank);
+        let s = daa_fetch(pixel, rank, 1.0, vec2f(0.0));
         if s.depth == 0.0 {
             continue;
         }
         let b = daa_call_bounce(s);
-        let cone = daa_cone(ranks.pixel, rank, s);
+        let cone = daa_cone(pixel, rank, s);
         let offset = daa_ray_offset(s.relative_position);
         var sum = vec3f(0.0);
         var traced = false;
@@ -187,14 +196,14 @@ fn daa_bounce_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocatio
                 direction += s.geometric_normal * (0.02 - into);
             }
             let origin = s.relative_position + s.geometric_normal * select(offset, -offset, kind == 1u);
-            sum += weight * daa_arriving(ranks.pixel, rank, origin, normalize(direction), kind == 1u, b.ior, s.object, cone);
+            sum += weight * daa_arriving(pixel, rank, origin, normalize(direction), kind == 1u, b.ior, s.object, cone);
             rays += select(vec2u(1u, 0u), vec2u(0u, 1u), kind == 1u);
             traced = true;
             if keeps_hits {
                 let word = DAA_M * DAA_M + kind * 3u;
-                daa_secondary[daa_sample_index(ranks.pixel, word)] = daa_last_hit.x;
-                daa_secondary[daa_sample_index(ranks.pixel, word + 1u)] = daa_last_hit.y;
-                daa_secondary[daa_sample_index(ranks.pixel, word + 2u)] = daa_last_hit.z;
+                daa_secondary[daa_sample_index(pixel, word)] = daa_last_hit.x;
+                daa_secondary[daa_sample_index(pixel, word + 1u)] = daa_last_hit.y;
+                daa_secondary[daa_sample_index(pixel, word + 2u)] = daa_last_hit.z;
             }
         }
         if traced {

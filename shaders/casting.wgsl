@@ -1,4 +1,5 @@
-// What `trace` and `bounce` share: which samples they work on, and shadow rays. Joined with the rays' chunks.
+// What `trace` and `bounce` share: which samples they work on, and shadow rays. Joined with the rays' chunks, lattice.wgsl and
+// listing.wgsl; `daa_wants` is the pass's own.
 
 @group(3) @binding(1) var<storage, read> daa_ray_geometry: array<vec4u>;
 @group(3) @binding(2) var<storage, read> daa_ray_top: array<vec4u>;
@@ -7,6 +8,8 @@
 @group(3) @binding(6) var<storage, read_write> daa_statistics: DaaStatistics;
 /// `DaaTileLists` of classify.wgsl, word by word: two classes of four words, then the tiles of either.
 @group(3) @binding(7) var<storage, read> daa_tile_lists: array<u32>;
+/// Of lattice.wgsl.
+@group(3) @binding(8) var<storage, read_write> daa_points: array<u32>;
 
 /// Which samples a dispatch works on: `Samples` of src/traces.rs.
 const DAA_SAMPLES_FIRST: u32 = 0u;
@@ -14,6 +17,7 @@ const DAA_SAMPLES_FULL: u32 = 1u;
 const DAA_SAMPLES_PLANNED: u32 = 2u;
 const DAA_SAMPLES_AUDITED: u32 = 3u;
 const DAA_SAMPLES_GEOMETRIC: u32 = 4u;
+const DAA_SAMPLES_POINTS: u32 = 5u;
 
 /// A light that casts shadows.
 struct DaaCastingLight {
@@ -33,6 +37,8 @@ struct DaaCasting {
     count: u32,
     /// DAA_SAMPLES_*.
     samples: u32,
+    /// Of DAA_SAMPLES_POINTS.
+    @align(16) step: DaaStep,
     lights: array<DaaCastingLight, 32>,
 }
 
@@ -40,7 +46,7 @@ struct DaaCasting {
 const DAA_TILES_SURFACE: u32 = 0u;
 const DAA_TILES_BOUNCE: u32 = 1u;
 
-/// A pixel, and the ranks from `first` to before `end` of it, those of some quadrants alone.
+/// A pixel, and the ranks from `first` to before `end` of it, those of some quadrants alone. Of points: a cell, and the chosen of it.
 struct DaaRanks {
     pixel: vec2u,
     first: u32,
@@ -51,12 +57,30 @@ struct DaaRanks {
 /// Of a plan without quadrants.
 const DAA_ALL_QUADRANTS: u32 = 0xffu;
 
-fn daa_wanted(ranks: DaaRanks, rank: u32) -> bool {
-    return ranks.quadrants == DAA_ALL_QUADRANTS || (daa_quadrants(rank) & ranks.quadrants) != 0u;
+/// A sample that casts rays, if it is wanted.
+struct DaaCaster {
+    pixel: vec2u,
+    rank: u32,
+    wanted: bool,
+}
+
+fn daa_caster(ranks: DaaRanks, i: u32) -> DaaCaster {
+    if daa_casting.samples == DAA_SAMPLES_POINTS {
+        let at = daa_chosen_at(ranks.pixel, ranks.quadrants, i);
+        let point = daa_point(daa_casting.step.points, at);
+        return DaaCaster(point.pixel, point.rank, true);
+    }
+    let wanted = ranks.quadrants == DAA_ALL_QUADRANTS || (daa_quadrants(i) & ranks.quadrants) != 0u;
+    return DaaCaster(ranks.pixel, i, wanted);
 }
 
 /// None past the edges of the image, nor past the end of the list of the tiles of this kind.
 fn daa_ranks(group: vec2u, lane: u32, kind: u32) -> DaaRanks {
+    if daa_casting.samples == DAA_SAMPLES_POINTS {
+        let cell = group * 8u + vec2u(lane & 7u, lane >> 3u);
+        let chosen = daa_chosen_points(daa_casting.step, cell);
+        return DaaRanks(cell, 0u, countOneBits(chosen), chosen);
+    }
     var tile = group;
     if daa_casting.samples == DAA_SAMPLES_AUDITED {
         tile = daa_audited_tile(group);

@@ -64,6 +64,10 @@ struct DaaFrame {
     reconstruct_contrast_min: f32,
     /// Samples for which the weights sum to less are shaded.
     reconstruct_least: f32,
+    /// A point of a lattice is refined where its colour departs from its neighbours' by more.
+    lattice_color: f32,
+    /// Where its position does, over its distance.
+    lattice_position: f32,
     /// Thresholds of `select` for objects, normals, shadow and textures; above 1: off.
     selective_primary: vec4f,
     /// For those of what is reflected and refracted.
@@ -76,7 +80,7 @@ struct DaaFrame {
     selective_normal: f32,
     /// Samples of a window's quadrants together.
     selective_samples: u32,
-    /// Rank → place in the window, x | y << 4 | quadrants << 8 (a bit each), four to a vector.
+    /// Rank → place in the window, x | y << 4 | quadrants << 8 (a bit each), four to a vector; and y m + x → rank << 16.
     order: array<vec4u, 16>,
     /// k − 1 → from the mean place of the first k samples to the window's centre, in samples; two to a vector.
     centres: array<vec4f, 32>,
@@ -104,6 +108,10 @@ const DAA_FLAG_BILINEAR: u32 = 0x40000u;
 const DAA_FLAG_FOCUSED: u32 = 0x80000u;
 const DAA_FLAG_BY_LUMINANCE: u32 = 0x100000u;
 const DAA_FLAG_BY_GRADIENT: u32 = 0x200000u;
+const DAA_FLAG_VETO: u32 = 0x400000u;
+const DAA_FLAG_WEIGHTED: u32 = 0x800000u;
+const DAA_FLAG_SUPERSAMPLED: u32 = 0x1000000u;
+const DAA_FLAG_LATTICE: u32 = 0x2000000u;
 
 /// One sample of the G-buffer, as `material`, `shade` and `sky` see it.
 struct DaaSample {

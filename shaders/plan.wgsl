@@ -1,7 +1,7 @@
 // plan: where each window's samples beyond the first lie in its tile's list, and what the frame will shade.
 // A tile is 8 × 8 pixels. CPU twin: src/reference/plan.rs.
 
-/// k (8 bits) | deciding metric (8 bits) | log2 of what it wanted · 2048 (16 bits).
+/// k (8 bits) | deciding metric (8 bits, of which `map` has other use for 4) | log2 of what it wanted · 2048 (16 bits).
 @group(3) @binding(0) var<storage, read> daa_counts: array<u32>;
 /// k (8 bits) | deciding metric (8 bits) | samples of the tile before this window's (16 bits).
 @group(3) @binding(1) var<storage, read_write> daa_plan: array<u32>;
@@ -39,7 +39,7 @@ fn daa_plan_main(@builtin(global_invocation_id) id: vec3u, @builtin(local_invoca
             } else if k > 1u {
                 before += k - 1u;
                 atomicAdd(&daa_group_histogram[k - 1u], 1u);
-                atomicAdd(&daa_group_decided[by], 1u);
+                atomicAdd(&daa_group_decided[by & 15u], 1u);
             }
         }
         atomicAdd(&daa_group_histogram[0], ones);

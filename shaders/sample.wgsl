@@ -31,7 +31,13 @@ fn daa_order(rank: u32) -> vec2u {
 
 /// The quadrants of its window whose sample a rank is, a bit each.
 fn daa_quadrants(rank: u32) -> u32 {
-    return daa_frame.order[rank >> 2u][rank & 3u] >> 8u;
+    return (daa_frame.order[rank >> 2u][rank & 3u] >> 8u) & 15u;
+}
+
+/// The rank of a place.
+fn daa_rank_at(place: vec2u) -> u32 {
+    let i = place.y * DAA_M + place.x;
+    return daa_frame.order[i >> 2u][i & 3u] >> 16u;
 }
 
 /// From the camera to the point under G-buffer coordinates `xy` (in samples, y down) at depth `d`.

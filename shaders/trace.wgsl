@@ -6,6 +6,11 @@
 
 var<workgroup> daa_group_rays: array<u32, 64>;
 
+/// The sky gets its bits, too.
+fn daa_wants(point: DaaPoint) -> bool {
+    return true;
+}
+
 /// Whether rays could tell the samples of a window apart: it holds two surfaces, or the first samples of the windows around it
 /// differ in shadow or identity.
 fn daa_worth_tracing(pixel: vec2u) -> bool {
@@ -36,20 +41,21 @@ fn daa_trace_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation
         traces = daa_worth_tracing(ranks.pixel);
     }
     var rays = 0u;
-    for (var rank = ranks.first; rank < ranks.end; rank++) {
-        if !daa_wanted(ranks, rank) {
+    for (var i = ranks.first; i < ranks.end; i++) {
+        let caster = daa_caster(ranks, i);
+        if !caster.wanted {
             continue;
         }
         var bits = vec2u(0u);
         if traces {
-            let s = daa_fetch(ranks.pixel, rank, 1.0, vec2f(0.0));
+            let s = daa_fetch(caster.pixel, caster.rank, 1.0, vec2f(0.0));
             if s.depth != 0.0 {
                 bits = daa_shadows_at(s.relative_position, s.normal, s.geometric_normal, s.object);
             }
         } else {
-            bits.x = daa_shadows[daa_sample_index(ranks.pixel, 0u)];
+            bits.x = daa_shadows[daa_sample_index(caster.pixel, 0u)];
         }
-        daa_shadows[daa_sample_index(ranks.pixel, rank)] = bits.x;
+        daa_shadows[daa_sample_index(caster.pixel, caster.rank)] = bits.x;
         rays += bits.y;
     }
     daa_group_rays[lane] = rays;

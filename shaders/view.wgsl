@@ -39,7 +39,7 @@ fn daa_view_fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
             c = daa_heat(log2(f32(max(plan & 0xffu, 1u))) / max(log2(f32(DAA_M * DAA_M)), 1.0));
         }
         case 2u: { // Decided: black nothing, red depth, green normal, blue luminance, yellow identity, cyan shadow
-            var by = (plan >> 8u) & 0xffu;
+            var by = (plan >> 8u) & 15u;
             if selective && by > 0u {
                 // Colour; object, normal, shadow, texture.
                 by = select(select(select(select(3u, 1u, (by & 3u) == 0u), 2u, (by & 3u) == 3u), 4u, (by & 3u) == 2u), 3u, by == 1u);
@@ -67,8 +67,13 @@ fn daa_view_fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
             c = select(vec3f(f32(chosen == 1u), f32(chosen == 2u), f32(chosen == 3u)), vec3f(1.0), chosen == 4u);
             c = select(vec3f(0.0), c, selective);
         }
+        case 14u: { // Levels: black interpolated, white its own, cyan shifted, green every second, yellow fourth, red eighth pixel
+            let own = (daa_frame.flags & DAA_FLAG_LATTICE) != 0u && (plan & 0x8000u) != 0u;
+            let place = (plan >> 12u) & 7u;
+            c = vec3f(f32(place == 0u || place >= 3u), f32(place < 4u), f32(place < 2u)) * f32(own);
+        }
         default: {}
     }
-    let everywhere = daa_frame.view <= 3u || daa_frame.view == 13u;
+    let everywhere = daa_frame.view <= 3u || daa_frame.view >= 13u;
     return vec4f(select(c, vec3f(0.0), sky && !everywhere), 1.0);
 }

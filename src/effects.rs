@@ -1,6 +1,7 @@
 //! What a scene calls for besides shading, and what of it a frame gets.
 
 use crate::error::RecordError;
+use crate::lattice::StepUniform;
 use crate::rays::RayScene;
 use crate::settings::{Effect, Settings};
 use glam::Vec3;
@@ -120,6 +121,7 @@ pub(crate) struct CastingUniform {
     pub count: u32,
     pub samples: u32,
     pub padding: [u32; 2],
+    pub step: StepUniform,
     pub lights: [LightUniform; MAX_CASTING_LIGHTS],
 }
 

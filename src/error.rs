@@ -1,7 +1,7 @@
 //! What can go wrong, where, and what to do about it.
 
 use crate::rays::RayTier;
-use crate::settings::Execution;
+use crate::settings::{Execution, Pattern};
 use std::fmt;
 
 /// [`DeferredAa::new`](crate::DeferredAa::new) could not build the node.
@@ -244,6 +244,41 @@ pub enum RecordError {
         /// Of its buffer.
         bytes: u64,
         /// The limit that it exceeds, or what the driver said.
+        why: String,
+    },
+    /// A lattice begins with cells that the image is smaller than.
+    #[error(
+        "multi_resolution.{lattice}.coarsest is {coarsest}: cells of {} pixels don't fit {width}×{height}; {most} does",
+        1 << coarsest
+    )]
+    Coarsest {
+        /// `shading` or `rays`.
+        lattice: &'static str,
+        /// What it was set to.
+        coarsest: u32,
+        /// Of the node.
+        width: u32,
+        /// Of the node.
+        height: u32,
+        /// The greatest that fits.
+        most: u32,
+    },
+    /// A shifted lattice at m = 1.
+    #[error(
+        "multi_resolution.shading.pattern is {0:?}: its rows are shifted by half a pixel, where a node with m = 1 has no sample; \
+         use Pattern::Quad, or a node with a larger m"
+    )]
+    Shifted(Pattern),
+    /// The lattices are too large.
+    #[error("lattices at {width}×{height} keep {bytes} bytes: {why}; use a smaller size")]
+    Lattices {
+        /// Of the node.
+        width: u32,
+        /// Of the node.
+        height: u32,
+        /// Of all buffers.
+        bytes: u64,
+        /// The limit that one exceeds, or what the driver said.
         why: String,
     },
     /// A pipeline was refused.

@@ -3,7 +3,7 @@
 use crate::audit::Audited;
 use crate::effects::Needs;
 use crate::error::RecordError;
-use crate::settings::{ColorReference, DepthMeasure, Effect, LuminanceCurve, Settings, Technique, Weight};
+use crate::settings::{ColorReference, DepthMeasure, Effect, LuminanceCurve, Settings, Technique, Weight, Windowed};
 use crate::window;
 use glam::{DMat4, DVec4, Mat4, Vec3};
 
@@ -91,7 +91,9 @@ pub(crate) struct FrameUniform {
     pub reconstruct_contrast: f32,
     pub reconstruct_contrast_min: f32,
     pub reconstruct_least: f32,
-    pub padding: [u32; 3],
+    pub lattice_color: f32,
+    pub lattice_position: f32,
+    pub padding: u32,
     pub selective_primary: [f32; 4],
     pub selective_secondary: [f32; 4],
     pub selective_color: f32,
@@ -129,6 +131,10 @@ pub(crate) mod flag {
     pub const FOCUSED: u32 = 1 << 19;
     pub const BY_LUMINANCE: u32 = 1 << 20;
     pub const BY_GRADIENT: u32 = 1 << 21;
+    pub const VETO: u32 = 1 << 22;
+    pub const WEIGHTED: u32 = 1 << 23;
+    pub const SUPERSAMPLED: u32 = 1 << 24;
+    pub const LATTICE: u32 = 1 << 25;
 }
 
 impl FrameUniform {
@@ -146,7 +152,13 @@ impl FrameUniform {
         let selective = technique == Technique::Selective;
         // Off: more than any contrast, and than any threshold that is on.
         let thresholds = s.thresholds().map(|(_, tau, on)| if on { tau } else { OFF });
-        let curve = if selective { s.curve } else { w.luminance };
+        let l = &frame.settings.multi_resolution;
+        let lattice = technique == Technique::MultiResolution;
+        let curve = match technique {
+            Technique::Selective => s.curve,
+            Technique::MultiResolution => l.curve,
+            _ => w.luminance,
+        };
         let flags = [
             (w.depth == DepthMeasure::Discontinuity, flag::DEPTH_PLANE),
             (w.two_sided, flag::TWO_SIDED),
@@ -170,6 +182,10 @@ impl FrameUniform {
             (s.focused, flag::FOCUSED),
             (s.reference == ColorReference::Luminance, flag::BY_LUMINANCE),
             (s.reference == ColorReference::Gradient, flag::BY_GRADIENT),
+            (l.veto, flag::VETO),
+            (l.weighted, flag::WEIGHTED),
+            (l.supersampled, flag::SUPERSAMPLED),
+            (lattice, flag::LATTICE),
         ];
         let places = match technique {
             Technique::Reconstructed if r.rotated_grid => window::rotated(m),
@@ -180,7 +196,9 @@ impl FrameUniform {
         let mut centres = [[0.0; 4]; 32];
         let mut sum = [0.0; 2];
         for (rank, (x, y)) in places.into_iter().enumerate() {
-            order[rank / 4][rank % 4] = u32::from(x) | u32::from(y) << 4 | window::quadrants(m, x, y) << 8;
+            order[rank / 4][rank % 4] |= u32::from(x) | u32::from(y) << 4 | window::quadrants(m, x, y) << 8;
+            let place = usize::from(y) * m as usize + usize::from(x);
+            order[place / 4][place % 4] |= (rank as u32) << 16;
             for (axis, place) in [x, y].into_iter().enumerate() {
                 sum[axis] += f32::from(place);
                 if windowed && w.centred {
@@ -204,12 +222,13 @@ impl FrameUniform {
             luminance_edge: w.luminance_edge,
             identity_samples: w.identity_samples,
             shadow_samples: w.shadow_samples,
-            tile_limit: w.tile_limit,
+            tile_limit: if windowed { w.tile_limit } else { Windowed::NO_TILE_LIMIT },
             footprint: match technique {
                 Technique::Windowed => w.footprint,
                 Technique::Reconstructed => r.footprint,
                 Technique::Selective => s.footprint,
-                Technique::Full | Technique::Single => 1.0,
+                Technique::MultiResolution if l.supersampled => l.footprint,
+                Technique::Full | Technique::Single | Technique::MultiResolution => 1.0,
             },
             view: frame.settings.view as u32,
             least_samples: if windowed { w.least_samples } else { 1.0 },
@@ -223,7 +242,9 @@ impl FrameUniform {
             reconstruct_contrast: r.contrast_scale * m as f32 / 4.0,
             reconstruct_contrast_min: r.contrast_min,
             reconstruct_least: r.least_weight,
-            padding: [0; 3],
+            lattice_color: l.color_threshold,
+            lattice_position: l.position_threshold,
+            padding: 0,
             selective_primary: std::array::from_fn(|i| thresholds[1 + i]),
             selective_secondary: std::array::from_fn(|i| thresholds[5 + i]),
             selective_color: thresholds[0],

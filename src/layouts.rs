@@ -4,6 +4,7 @@ mod compare;
 
 use crate::effects::{CastingUniform, LightUniform, Traced};
 use crate::frame::{FrameUniform, flag};
+use crate::lattice::{LatticeUniform, StepUniform};
 use crate::rays::RayTier;
 use crate::reference::metrics::By;
 use crate::scratch::{List, WORK_BYTES};
@@ -15,7 +16,24 @@ use compare::{constant, parse, rust_layout, wgsl_layout};
 use wgpu::naga;
 
 const SELECT: &str = include_str!("../shaders/select.wgsl");
-const PLAIN: [(&str, &str); 8] = [
+/// A pass over lattices of these values.
+macro_rules! refined {
+    ($values:literal, $pass:literal) => {
+        concat!(
+            include_str!("../shaders/lattice.wgsl"),
+            "\n",
+            include_str!($values),
+            "\n",
+            include_str!("../shaders/bilateral.wgsl"),
+            "\n",
+            include_str!("../shaders/residual.wgsl"),
+            "\n",
+            include_str!($pass)
+        )
+    };
+}
+const REFINE: &str = refined!("../shaders/lattice_colors.wgsl", "../shaders/refine.wgsl");
+const PLAIN: [(&str, &str); 11] = [
     ("classify", include_str!("../shaders/classify.wgsl")),
     ("list", concat!(include_str!("../shaders/work.wgsl"), "\n", include_str!("../shaders/list.wgsl"))),
     ("max_filter", include_str!("../shaders/max_filter.wgsl")),
@@ -23,10 +41,34 @@ const PLAIN: [(&str, &str); 8] = [
     ("plan", include_str!("../shaders/plan.wgsl")),
     ("resolve", include_str!("../shaders/resolve.wgsl")),
     ("select", SELECT),
+    ("refine", REFINE),
+    ("refine rays", refined!("../shaders/lattice_rays.wgsl", "../shaders/refine.wgsl")),
+    ("map", refined!("../shaders/lattice_colors.wgsl", "../shaders/map.wgsl")),
     ("view", include_str!("../shaders/view.wgsl")),
 ];
-const SHADING: [(&str, &str); 6] = [
-    ("reconstruct", concat!(include_str!("../shaders/ranks.wgsl"), "\n", include_str!("../shaders/reconstruct.wgsl"))),
+const SHADING: [(&str, &str); 7] = [
+    (
+        "reconstruct",
+        concat!(
+            include_str!("../shaders/ranks.wgsl"),
+            "\n",
+            include_str!("../shaders/bilateral.wgsl"),
+            "\n",
+            include_str!("../shaders/reconstruct.wgsl")
+        ),
+    ),
+    (
+        "points",
+        concat!(
+            include_str!("../shaders/lattice.wgsl"),
+            "\n",
+            include_str!("../shaders/lattice_colors.wgsl"),
+            "\n",
+            include_str!("../shaders/listing.wgsl"),
+            "\n",
+            include_str!("../shaders/points.wgsl")
+        ),
+    ),
     ("extra", concat!(include_str!("../shaders/ranks.wgsl"), "\n", include_str!("../shaders/extra.wgsl"))),
     ("first", include_str!("../shaders/first.wgsl")),
     ("shade", include_str!("../shaders/shade.wgsl")),
@@ -57,6 +99,7 @@ fn modules() -> Vec<(String, naga::Module)> {
     let mut all: Vec<_> = PLAIN.iter().map(|&(name, _)| (name.to_owned(), plain(name))).collect();
     for traced in Traced::ALL {
         all.push((format!("select {traced:?}"), parse(&join_reading(SELECT, traced))));
+        all.push((format!("refine {traced:?}"), parse(&join_reading(REFINE, traced))));
     }
     let whole = "fn shade(s: DaaSample) -> vec4f { return vec4f(s.normal, 1.0); }";
     let split = "fn material(s: DaaSample) -> DaaMaterial { return DaaMaterial(); }
@@ -116,6 +159,8 @@ fn every_joined_module_is_sound_and_has_the_frame() {
         reconstruct_contrast,
         reconstruct_contrast_min,
         reconstruct_least,
+        lattice_color,
+        lattice_position,
         padding,
         selective_primary,
         selective_secondary,
@@ -150,7 +195,8 @@ fn counters_are_the_shaders() {
         reflection_rays,
         refraction_rays,
         tiles,
-        quadrants
+        quadrants,
+        points
     });
     for (name, module) in modules() {
         assert_eq!(wgsl_layout(&module, "DaaStatistics"), counters, "{name}");
@@ -160,10 +206,14 @@ fn counters_are_the_shaders() {
 #[test]
 fn casting_lights_are_the_shaders() {
     let light = rust_layout!(LightUniform { position, punctual, direction, cone, range, padding });
-    let casting = rust_layout!(CastingUniform { count, samples, padding, lights });
+    let casting = rust_layout!(CastingUniform { count, samples, padding, step, lights });
+    let lattice = rust_layout!(LatticeUniform { kind, level, width, height, first, place, padding });
+    let step = rust_layout!(StepUniform { points, parents, scale, coarsest, rays });
     for (name, module) in modules().into_iter().filter(|(name, _)| name.starts_with("trace")) {
         assert_eq!(wgsl_layout(&module, "DaaCastingLight"), light, "{name}");
         assert_eq!(wgsl_layout(&module, "DaaCasting"), casting, "{name}");
+        assert_eq!(wgsl_layout(&module, "DaaLattice").0, lattice.0, "{name}");
+        assert_eq!(wgsl_layout(&module, "DaaStep"), step, "{name}");
     }
 }
 
@@ -193,6 +243,10 @@ fn flags_are_the_shaders() {
         ("FOCUSED", flag::FOCUSED),
         ("BY_LUMINANCE", flag::BY_LUMINANCE),
         ("BY_GRADIENT", flag::BY_GRADIENT),
+        ("VETO", flag::VETO),
+        ("WEIGHTED", flag::WEIGHTED),
+        ("SUPERSAMPLED", flag::SUPERSAMPLED),
+        ("LATTICE", flag::LATTICE),
     ];
     for (name, value) in flags {
         assert_eq!(constant(&module, &format!("DAA_FLAG_{name}")), value, "{name}");
@@ -250,6 +304,10 @@ fn tiles_are_the_shaders() {
         ("daa_classify_finish", [1, 1, 1]),
         ("daa_classify_main", flat),
         ("daa_first_main", tile),
+        ("daa_map_main", flat),
+        ("daa_points_main", tile),
+        ("daa_refine_judge", tile),
+        ("daa_refine_main", tile),
         ("daa_list_count_pixels", flat),
         ("daa_list_count_samples", flat),
         ("daa_list_pixels", flat),
@@ -351,14 +409,16 @@ fn builtins_are_what_the_shaders_use() {
         include_str!("../shaders/secondary.wgsl"),
         include_str!("../shaders/shared_exponent.wgsl"),
         include_str!("../shaders/casting.wgsl"),
+        include_str!("../shaders/lattice.wgsl"),
+        include_str!("../shaders/listing.wgsl"),
         include_str!("../shaders/rays.wgsl"),
         include_str!("../shaders/rays_software.wgsl"),
         include_str!("../shaders/rays_query.wgsl"),
         TRACE,
         BOUNCE,
     ];
-    const OTHER: [&str; 11] =
-        ["binding", "builtin", "for", "group", "if", "location", "return", "size", "switch", "while", "workgroup_size"];
+    const OTHER: [&str; 12] =
+        ["align", "binding", "builtin", "for", "group", "if", "location", "return", "size", "switch", "while", "workgroup_size"];
     // Used without a bracket after them.
     const TYPES: [&str; 9] = ["array", "atomic", "binding_array", "bitcast", "bool", "f32", "i32", "sampler", "u32"];
     let mut used = std::collections::BTreeSet::new();

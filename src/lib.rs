@@ -46,8 +46,10 @@ pub mod gbuffer;
 mod goal;
 #[cfg(test)]
 mod layouts;
+mod lattice;
 mod list;
 mod listed;
+mod map;
 mod max_filter;
 mod metrics;
 mod node;
@@ -55,8 +57,10 @@ mod octahedral;
 mod pipeline;
 mod pixels;
 mod plan;
+mod points;
 pub mod rays;
 mod reconstruct;
+mod refine;
 #[cfg(feature = "reference")]
 pub mod reference;
 mod requirements;
@@ -84,7 +88,7 @@ pub use node::{DeferredAa, Descriptor, Intermediates, Pass, Recording, Shading};
 pub use pipeline::{PassInfo, Resource};
 pub use requirements::{Memory, Requirements};
 pub use settings::{
-    ColorReference, DebugView, DepthMeasure, Effect, Enabled, Execution, Goal, LuminanceCurve, Preset, Reconstructed,
+    ColorReference, DebugView, DepthMeasure, Effect, Enabled, Execution, Goal, Lattice, LuminanceCurve, MultiResolution, Pattern, Preset, Reconstructed,
     Selective, Settings, Technique, Weight, Windowed,
 };
 pub use statistics::{PassTime, Statistics, TileCounts};

@@ -27,6 +27,8 @@ pub enum Resource {
     Plan,
     /// The frame's pixels by count, or its samples, as one list.
     List,
+    /// Points of lattices, and what they were shaded.
+    Lattice,
     /// The means of windows with k > 1, w×h.
     Color,
     /// The counters.

@@ -36,9 +36,12 @@ impl Reconstruct {
 
     pub fn pipeline(&self, build: &Build, traced: Traced) -> Result<&wgpu::ComputePipeline, PipelineError> {
         self.pipelines[traced.index()].get(|| {
-            let pass =
-                concat!(include_str!("../shaders/ranks.wgsl"), "\n", include_str!("../shaders/reconstruct.wgsl"));
-            let source = build.host.join(pass, traced);
+            let pass = [
+                include_str!("../shaders/ranks.wgsl"),
+                include_str!("../shaders/bilateral.wgsl"),
+                include_str!("../shaders/reconstruct.wgsl"),
+            ];
+            let source = build.host.join(&pass.join("\n"), traced);
             build.compute(INFO.name, source, "daa_reconstruct_main", &self.layout, Some(traced))
         })
     }

@@ -13,6 +13,7 @@ pub(crate) enum Source {
     First,
     Color,
     ByPlan,
+    Lattice,
 }
 
 impl Source {
@@ -20,6 +21,7 @@ impl Source {
         let reads: &[Resource] = match self {
             Self::First => &[Resource::First],
             Self::Color => &[Resource::Color],
+            Self::Lattice => &[Resource::Lattice],
             Self::ByPlan => &[Resource::First, Resource::Color, Resource::Plan],
         };
         PassInfo { name: NAME, reads, writes: &[Resource::Target] }
@@ -29,7 +31,7 @@ impl Source {
 #[derive(Debug)]
 pub(crate) struct Resolve {
     layout: wgpu::BindGroupLayout,
-    pipelines: [Lazy<wgpu::RenderPipeline>; 3],
+    pipelines: [Lazy<wgpu::RenderPipeline>; 4],
 }
 
 impl Resolve {
@@ -37,12 +39,19 @@ impl Resolve {
         let fragment = wgpu::ShaderStages::FRAGMENT;
         let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("daa resolve"),
-            entries: &[entry::texture(0, fragment), entry::texture(1, fragment), entry::buffer(2, fragment, true)],
+            entries: &[
+                entry::texture(0, fragment),
+                entry::texture(1, fragment),
+                entry::buffer(2, fragment, true),
+                entry::buffer(3, fragment, true),
+            ],
         });
         Self { layout, pipelines: Default::default() }
     }
 
-    pub fn bind(&self, device: &wgpu::Device, scratch: &Scratch) -> wgpu::BindGroup {
+    /// `lattice`: the colours of [`Source::Lattice`]; without, any buffer stands for them.
+    pub fn bind(&self, device: &wgpu::Device, scratch: &Scratch, lattice: Option<&wgpu::Buffer>) -> wgpu::BindGroup {
+        let lattice = lattice.unwrap_or(&scratch.plan);
         device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("daa resolve"),
             layout: &self.layout,
@@ -50,6 +59,7 @@ impl Resolve {
                 wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&scratch.first) },
                 wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(&scratch.color) },
                 wgpu::BindGroupEntry { binding: 2, resource: scratch.plan.as_entire_binding() },
+                wgpu::BindGroupEntry { binding: 3, resource: lattice.as_entire_binding() },
             ],
         })
     }

@@ -16,6 +16,8 @@ pub struct Settings {
     pub reconstructed: Reconstructed,
     /// The thresholds of [`Technique::Selective`].
     pub selective: Selective,
+    /// The lattices of [`Technique::MultiResolution`].
+    pub multi_resolution: MultiResolution,
     /// How the samples of a pixel are weighted.
     pub weight: Weight,
     /// Shadow rays towards the lights of [`Needs::shadows`](crate::Needs::shadows).
@@ -79,6 +81,108 @@ pub enum Technique {
     /// Four samples of each quadrant of a pixel that contrasts with the neighbours at its corner, by a threshold for what differs
     /// there (Jin, Ihm, Chang, Park, Lee, Jung 2009). It runs its own packed list: [`Execution`] has no say.
     Selective,
+    /// From a coarse lattice of points to a fine one, each point shaded, or interpolated where its neighbourhood is smooth, and likewise
+    /// for its rays (University of Alaska Fairbanks thesis on tri-adaptive sampling): below one sample a pixel, and on request above.
+    MultiResolution,
+}
+
+/// The lattices of [`Technique::MultiResolution`]: points in squares or triangles over first samples, from a coarse pitch down to
+/// pixels. A point of a finer lattice is sampled where a coarser one around it departs from the mean of its neighbours on opposite
+/// sides (the thesis, section 4.2, Algorithm 1); elsewhere it is interpolated between those around it. Lattices are nested, so that
+/// no sample is lost, where the thesis samples anew at each resolution. First rays are cast, at the points of their own lattices,
+/// then all that is to be shaded has what they found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
+pub struct MultiResolution {
+    /// Where colours are shaded.
+    pub shading: Lattice,
+    /// Where shadow, mirrored and refracted rays are cast.
+    pub rays: Lattice,
+    /// Windows that are not smooth at one sample a pixel get more: 4 samples, 16, all, as far as m has such levels, or all at
+    /// once where geometry asks. [`Execution`] runs them. Off: one sample a pixel at most, no anti-aliasing.
+    pub supersampled: bool,
+    /// A neighbourhood is not smooth if a channel of colour departs from the mean of opposite neighbours by more, 0 to 1: the sum over
+    /// the pairs divided by the number of neighbours, on [`curve`](Self::curve), exposed. Higher: fewer samples, what is small or
+    /// faint is lost. 0: only what is exactly even is interpolated. 1: colour does not count. The thesis prints no value.
+    pub color_threshold: f32,
+    /// Or if its place in the world does, likewise, over its distance from the camera, 0 to 1. Where sky and surfaces meet it always
+    /// does. Higher: fewer samples at edges and folds. The thesis prints no value.
+    pub position_threshold: f32,
+    /// Colours are compared as exposed radiance, or about as a display shows it.
+    pub curve: LuminanceCurve,
+    /// Never interpolates between materials, objects, or where other lights reach: such a point is sampled, and a window that holds two
+    /// is refined. Not in the thesis. On: what is thin survives.
+    pub veto: bool,
+    /// Interpolates by the weights of [`Settings::reconstructed`] too, with its scales and cuts, and samples where less than half of them
+    /// remain. Not in the thesis. On: sharper folds, more samples.
+    pub weighted: bool,
+    /// The texture footprint of a shaded sample over that of the samples that it stands for, 0 to 4, where
+    /// [`supersampled`](Self::supersampled); else 1. Higher: blurrier.
+    pub footprint: f32,
+}
+
+/// A lattice of [`MultiResolution`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
+pub struct Lattice {
+    /// How its points lie.
+    pub pattern: Pattern,
+    /// log2 of the pitch that it begins with, in pixels, 0 to 3: each pixel, 1/2, 1/4 or 1/8 of the resolution along either side. Higher:
+    /// fewer samples at least, and what is smaller than the pitch may be missed.
+    pub coarsest: u32,
+}
+
+/// How the points of a [`Lattice`] lie.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+#[repr(u32)]
+pub enum Pattern {
+    /// Squares: eight neighbours, four pairs.
+    #[default]
+    Quad = 0,
+    /// Every other row is shifted by half a pitch, and of the finest by half a pixel: six neighbours, three pairs. Pixels are then mapped
+    /// from it, between two points in the shifted rows (section 4.3). Needs m of 2 or more for shading. For rays only down to a pitch of
+    /// 2 pixels, below which they are those of what is shaded.
+    Triangular = 1,
+    /// Rows lie closer, by √3/2, to the nearest sample: equilateral triangles, 15 % more points.
+    Equilateral = 2,
+}
+
+impl Default for Lattice {
+    fn default() -> Self {
+        Self { pattern: Pattern::Quad, coarsest: 2 }
+    }
+}
+
+impl MultiResolution {
+    /// As the thesis has it: three resolutions up to the image's, triangular, no veto, no weights. It prints no thresholds.
+    pub const PAPER: Self = Self {
+        shading: Lattice { pattern: Pattern::Triangular, coarsest: 2 },
+        rays: Lattice { pattern: Pattern::Triangular, coarsest: 2 },
+        supersampled: false,
+        color_threshold: 0.02,
+        position_threshold: 0.02,
+        curve: LuminanceCurve::Perceptual,
+        veto: false,
+        weighted: false,
+        footprint: 1.0,
+    };
+}
+
+impl Default for MultiResolution {
+    fn default() -> Self {
+        Self {
+            shading: Lattice::default(),
+            rays: Lattice::default(),
+            supersampled: true,
+            color_threshold: 0.01,
+            position_threshold: 0.02,
+            curve: LuminanceCurve::Perceptual,
+            veto: true,
+            weighted: true,
+            footprint: 0.5,
+        }
+    }
 }
 
 /// The thresholds of [`Technique::Selective`], which compares the shaded samples at the centres of pixels: each quadrant with its own
@@ -509,11 +613,14 @@ pub enum DebugView {
     User = 12,
     /// Active quadrants of [`Technique::Selective`]: 0 black, 1 red, 2 green, 3 blue, 4 white (Jin et al. 2009, figure 1).
     Quadrants = 13,
+    /// On what lattice of [`Technique::MultiResolution`] a pixel was shaded: white pixels, cyan shifted ones, green every second,
+    /// yellow fourth, red eighth; black: interpolated.
+    Levels = 14,
 }
 
 impl DebugView {
     /// All of them, in order.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self::Image,
         Self::Count,
         Self::Decided,
@@ -528,6 +635,7 @@ impl DebugView {
         Self::Object,
         Self::User,
         Self::Quadrants,
+        Self::Levels,
     ];
 }
 
@@ -692,6 +800,11 @@ impl Settings {
             ("selective.contrast_min", self.selective.contrast_min, 0.0, 1.0),
             ("selective.normal_cosine", self.selective.normal_cosine, -1.0, 1.0),
             ("selective.footprint", self.selective.footprint, 0.0, 4.0),
+            ("multi_resolution.shading.coarsest", self.multi_resolution.shading.coarsest as f32, 0.0, 3.0),
+            ("multi_resolution.rays.coarsest", self.multi_resolution.rays.coarsest as f32, 0.0, 3.0),
+            ("multi_resolution.color_threshold", self.multi_resolution.color_threshold, 0.0, 1.0),
+            ("multi_resolution.position_threshold", self.multi_resolution.position_threshold, 0.0, 1.0),
+            ("multi_resolution.footprint", self.multi_resolution.footprint, 0.0, 4.0),
             ("windowed.tile_limit", w.tile_limit as f32, 0.0, Windowed::NO_TILE_LIMIT as f32),
             match self.goal {
                 Some(Goal::Error(error)) => ("goal.error", error, 0.0, 1.0),

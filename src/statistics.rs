@@ -21,12 +21,13 @@ pub(crate) struct Counters {
     pub refraction_rays: u32,
     pub tiles: [u32; 2],
     pub quadrants: [u32; 9],
+    pub points: [u32; 5],
 }
 
 pub(crate) const COUNTER_BYTES: u64 = size_of::<Counters>() as u64;
 
 /// Most passes of a frame.
-pub(crate) const MAX_PASSES: usize = 15;
+pub(crate) const MAX_PASSES: usize = 32;
 const TIMESTAMP_BYTES: u64 = (MAX_PASSES * 2 * 8) as u64;
 /// Where the timestamps lie in a read-back buffer, aligned as `resolve_query_set` copies want it.
 const TIMESTAMPS_AT: u64 = COUNTER_BYTES.next_multiple_of(8);
@@ -49,13 +50,17 @@ pub struct Statistics {
     pub ratio: f64,
     /// `shaded` over w · h.
     pub mean_k: f64,
-    /// Windows by k: `histogram_k[0]` had k = 1. As long as n.
+    /// Windows by k: `histogram_k[0]` had k = 1. As long as n. Those of [`Technique::MultiResolution`] that were interpolated are in
+    /// none.
     pub histogram_k: Vec<u32>,
     /// Windows whose k was decided by nothing (k = 1), depth, normal, luminance, identity, the least allowed, shadow.
     pub decided: [u32; 7],
     /// Active quadrants of [`Technique::Selective`] by what their threshold is for: colour, then object, normal, shadow and texture
     /// of what pixels show, then of what they reflect and refract.
     pub quadrants: [u32; 9],
+    /// Points of [`Technique::MultiResolution`] that were shaded, those beyond the image's border included: on the lattice of the
+    /// pixels, the shifted one, and those of every second, fourth and eighth pixel. Samples of refined windows come on top.
+    pub points: [u32; 5],
     /// Samples that came back from the host's code with NaN or infinity, and were shaded black.
     pub not_finite: u32,
     /// Samples that came back with a negative component, and were clamped to 0.
@@ -277,7 +282,18 @@ fn read(bytes: &[u8], recorded: &Recorded, nanoseconds_per_tick: Option<f64>) ->
     if matches!(recorded.technique, Technique::Reconstructed | Technique::Selective) {
         decided = [windows as u32, 0, 0, 0, 0, 0, 0];
     }
-    let shaded = histogram_k.iter().zip(1u64..).map(|(&windows, k)| u64::from(windows) * k).sum();
+    let points: u64 = c.points.iter().map(|&points| u64::from(points)).sum();
+    if recorded.technique == Technique::MultiResolution && histogram_k.iter().all(|&windows| windows == 0) {
+        // No plan has counted.
+        histogram_k[0] = points.min(windows) as u32;
+        decided = [windows as u32, 0, 0, 0, 0, 0, 0];
+    }
+    let shaded = if recorded.technique == Technique::MultiResolution {
+        let beyond = histogram_k.iter().zip(0u64..).map(|(&windows, more)| u64::from(windows) * more).sum::<u64>();
+        beyond + points
+    } else {
+        histogram_k.iter().zip(1u64..).map(|(&windows, k)| u64::from(windows) * k).sum()
+    };
     let ticks: Vec<u64> =
         bytes[TIMESTAMPS_AT as usize..].as_chunks::<8>().0.iter().map(|&b| u64::from_le_bytes(b)).collect();
     let passes = (0..recorded.passes).map(|i| PassTime {
@@ -295,6 +311,7 @@ fn read(bytes: &[u8], recorded: &Recorded, nanoseconds_per_tick: Option<f64>) ->
         histogram_k,
         decided,
         quadrants: c.quadrants,
+        points: c.points,
         not_finite: c.not_finite,
         negative: c.negative,
         overflowed_tiles: c.overflowed_tiles,

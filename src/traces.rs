@@ -1,6 +1,7 @@
 //! What `trace` and `bounce` share: which samples they work on, what a size keeps of rays, and how it is bound.
 
 use crate::effects::{CastingUniform, Traced};
+use crate::lattice::Place;
 use crate::pipeline::{PassInfo, Resource, entry};
 use crate::rays::{RayScene, RayTier};
 use crate::scratch::{self, Scratch};
@@ -36,6 +37,15 @@ pub(crate) const INFO_GEOMETRIC: PassInfo = PassInfo {
     writes: &[Resource::Traced, Resource::Statistics],
 };
 
+/// At the points of a lattice.
+pub(crate) fn info_points(place: Place) -> PassInfo {
+    PassInfo {
+        name: place.named(["trace", "trace shifted", "trace 1/2", "trace 1/4", "trace 1/8"]),
+        reads: &[Resource::GBuffer, Resource::Host, Resource::Rays, Resource::Lattice],
+        writes: &[Resource::Traced, Resource::Lattice, Resource::Statistics],
+    }
+}
+
 /// Which samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum Samples {
@@ -44,11 +54,30 @@ pub(crate) enum Samples {
     Planned,
     Audited,
     Geometric,
+    /// The chosen points of a lattice.
+    Points(Place),
 }
 
 impl Samples {
     /// How many there are.
-    pub const COUNT: u64 = 5;
+    pub const COUNT: u64 = 5 + Place::COUNT as u64;
+
+    /// Below [`COUNT`](Self::COUNT).
+    pub fn index(self) -> u64 {
+        match self {
+            Self::First => 0,
+            Self::Full => 1,
+            Self::Planned => 2,
+            Self::Audited => 3,
+            Self::Geometric => 4,
+            Self::Points(place) => 5 + place as u64,
+        }
+    }
+
+    /// `DAA_SAMPLES_*` of casting.wgsl.
+    pub fn code(self) -> u32 {
+        self.index().min(5) as u32
+    }
 
     pub fn info(self) -> PassInfo {
         match self {
@@ -57,6 +86,7 @@ impl Samples {
             Self::Planned => INFO,
             Self::Audited => INFO_AUDITED,
             Self::Geometric => INFO_GEOMETRIC,
+            Self::Points(place) => info_points(place),
         }
     }
 }
@@ -81,6 +111,8 @@ pub(crate) struct Traces {
     pub shadows: Option<wgpu::Buffer>,
     /// What all samples reflect and refract, and with hits what the rays of first samples met.
     pub secondary: Option<wgpu::Buffer>,
+    /// Of [`Lattices`](crate::lattice::Lattices), or nothing.
+    pub points: wgpu::Buffer,
 }
 
 impl Traces {
@@ -103,7 +135,17 @@ impl Traces {
             usage,
             mapped_at_creation: false,
         });
-        Self { lights: lights.clone(), tiles, shadows: None, secondary: None }
+        Self { lights: lights.clone(), tiles, shadows: None, secondary: None, points: Self::nothing(device) }
+    }
+
+    /// What is bound where nothing is read.
+    pub fn nothing(device: &wgpu::Device) -> wgpu::Buffer {
+        device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("daa nothing traced"),
+            size: 256,
+            usage: wgpu::BufferUsages::STORAGE,
+            mapped_at_creation: false,
+        })
     }
 
     /// Of the lists of tiles: a word for each tile and class.
@@ -187,9 +229,10 @@ pub(crate) fn layout(device: &wgpu::Device, tier: RayTier, bounces: bool) -> wgp
         entry::buffer(5, compute, false),
         entry::buffer(6, compute, false),
         entry::buffer(7, compute, true),
+        entry::buffer(8, compute, false),
     ];
     if bounces {
-        entries.push(entry::buffer(8, compute, true));
+        entries.push(entry::buffer(9, compute, true));
     }
     device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("daa rays"), entries: &entries })
 }
@@ -217,6 +260,7 @@ pub(crate) fn bind(
         found.as_entire_binding(),
         scratch.statistics.as_entire_binding(),
         traces.tiles.as_entire_binding(),
+        traces.points.as_entire_binding(),
     ];
     let resources = resources.into_iter().chain(bouncing.map(wgpu::Buffer::as_entire_binding));
     let entries: Vec<_> =

@@ -21,6 +21,8 @@ pub(crate) mod chunk {
     pub const SECONDARY: &str = include_str!("../shaders/secondary.wgsl");
     pub const SECONDARY_NONE: &str = include_str!("../shaders/secondary_none.wgsl");
     pub const SHARED_EXPONENT: &str = include_str!("../shaders/shared_exponent.wgsl");
+    pub const LATTICE: &str = include_str!("../shaders/lattice.wgsl");
+    pub const LISTING: &str = include_str!("../shaders/listing.wgsl");
     pub const CASTING: &str = include_str!("../shaders/casting.wgsl");
     pub const RAYS: &str = include_str!("../shaders/rays.wgsl");
     pub const RAYS_SOFTWARE: &str = include_str!("../shaders/rays_software.wgsl");
@@ -223,6 +225,8 @@ impl HostSource {
             "}",
             chunk::RAYS,
             traversal,
+            chunk::LATTICE,
+            chunk::LISTING,
             chunk::CASTING,
             pass,
         ])
@@ -417,12 +421,12 @@ fn one_line(text: &str) -> String {
 #[rustfmt::skip]
 pub(crate) const BUILTINS: &[&str] = &[
     "RayDesc", "abs", "all", "any", "array", "arrayLength", "atan2", "atomic", "atomicAdd", "atomicLoad", "atomicOr", "atomicStore", "binding_array",
-    "bitcast", "bool", "clamp", "cos", "countOneBits", "cross", "dot", "exp2", "f32", "firstLeadingBit", "firstTrailingBit", "fract", "i32", "inverseSqrt", "length", "log2",
+    "bitcast", "bool", "clamp", "cos", "countOneBits", "cross", "dot", "exp2", "f32", "firstLeadingBit", "firstTrailingBit", "floor", "fract", "i32", "inverseSqrt", "length", "log2",
     "mat3x3f", "mat4x2f", "mat4x4f", "max", "min", "normalize", "pack2x16snorm", "pow", "rayQueryConfirmIntersection", "rayQueryGetCandidateIntersection", "rayQueryGetCommittedIntersection",
     "rayQueryInitialize", "rayQueryProceed", "reflect", "refract", "round", "sampler", "select", "sign", "sin", "sqrt", "textureLoad",
     "textureSampleGrad", "textureStore", "texture_2d", "texture_2d_array", "texture_depth_2d", "texture_storage_2d",
     "u32", "unpack2x16float", "unpack2x16snorm", "unpack4x8snorm", "unpack4x8unorm", "vec2f", "vec2i", "vec2u",
-    "vec3f", "vec3i", "vec3u", "vec4f", "vec4u", "workgroupBarrier", "workgroupUniformLoad",
+    "vec3f", "vec3i", "vec3u", "vec4f", "vec4i", "vec4u", "workgroupBarrier", "workgroupUniformLoad",
 ];
 
 /// Identifiers, numbers and single characters of WGSL with their places, comments left out.

@@ -407,13 +407,13 @@ impl Host {
         let uniform = |k| vec![k; (width * height) as usize];
         match (technique, self.aa.intermediates()) {
             (Technique::Full, _) => uniform(self.options.m * self.options.m),
-            (Technique::Windowed | Technique::Reconstructed | Technique::Selective, Some(passed)) => {
+            (Technique::Single, _) | (_, None) => uniform(1),
+            (_, Some(passed)) => {
                 let bytes = self.gpu.read_buffer(passed.plan);
                 let plan: Vec<u32> = bytemuck::pod_collect_to_vec(&bytes);
                 let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
                 pixels.map(|(x, y)| plan[passed.plan_index(x, y)] & 0xff).collect()
             }
-            _ => uniform(1),
         }
     }
 

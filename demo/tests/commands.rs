@@ -123,11 +123,11 @@ fn numbers_out_of_range() {
 fn techniques_and_settings() {
     refused(
         &["--technique", "magic"],
-        &["no technique 'magic': choose full, single, windowed, reconstructed or selective"],
+        &["no technique 'magic': choose full, single, windowed, reconstructed, selective or multiresolution"],
     );
     refused(
         &["--technique", "windwed"],
-        &["no technique 'windwed': did you mean windowed? choose full, single, windowed, reconstructed or selective"],
+        &["no technique 'windwed': did you mean windowed? choose full, single, windowed, reconstructed, selective or multiresolution"],
     );
     refused(&["--preset", "fsat"], &["no preset 'fsat': did you mean fast? choose fast, balanced or quality"]);
     refused(&["--textures", "none"], &["'none'", "arrays"]);

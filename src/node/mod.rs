@@ -11,12 +11,13 @@ use crate::error::{BuildError, RecordError, ShadingError, SizeError, TableError}
 use crate::frame::{Frame, FrameUniform};
 use crate::gbuffer::GBuffer;
 use crate::goal::Controller;
+use crate::lattice::{Place, StepUniform, Steps, Use};
 use crate::pipeline::{self, Build};
 use crate::rays::RayTier;
 use crate::requirements::{self, Memory, Requirements};
 use crate::scratch::{self, List, ListKind, Scratch};
 use crate::select::Marks;
-use crate::settings::{Settings, Technique};
+use crate::settings::{Pattern, Settings, Technique};
 use crate::statistics::{Collector, Recorded, Statistics};
 use crate::table::{TableTexture, Tables, TextureTable, TextureTier};
 use crate::traces::Samples;
@@ -87,6 +88,8 @@ pub struct DeferredAa {
     uniforms: wgpu::Buffer,
     rays: Option<RayBuffers>,
     marks: Option<Marks>,
+    /// `DaaStep`, a slot for each frame and step, from the first frame that refines lattices.
+    steps: Option<wgpu::Buffer>,
     sized: Option<Sized>,
     collector: Collector,
     controller: Controller,
@@ -122,6 +125,9 @@ pub struct Intermediates<'a> {
     /// What they reflect and refract, likewise: codes of shared_exponent.wgsl, 0 where nothing was traced. Behind them, once
     /// [`Technique::Selective`] ran, what the rays of first samples met: `daa_secondary_hit` of secondary.wgsl, word by word.
     pub secondary: Option<&'a wgpu::Buffer>,
+    /// The words of the points of all lattices, once [`Technique::MultiResolution`] ran: `daa_point_word` of lattice.wgsl; see
+    /// `reference::multi_resolution`. And the colours of those that are shaded.
+    pub lattices: Option<[&'a wgpu::Buffer; 2]>,
 }
 
 impl Intermediates<'_> {
@@ -135,7 +141,14 @@ impl Intermediates<'_> {
 /// Uniform slots: as many frames may be recorded between two submits.
 const UNIFORM_SLOTS: u64 = 16;
 const UNIFORM_STRIDE: u64 = (size_of::<FrameUniform>() as u64).next_multiple_of(256);
+const STEP_STRIDE: u64 = (size_of::<StepUniform>() as u64).next_multiple_of(256);
+const STEPS: u64 = 2 * Place::COUNT as u64;
 const LIGHTS_STRIDE: u64 = (size_of::<CastingUniform>() as u64).next_multiple_of(256);
+
+/// Of a frame's steps.
+fn step_slot(of: Use, place: Place) -> u64 {
+    of as u64 * Place::COUNT as u64 + place as u64
+}
 
 impl DeferredAa {
     /// What a node with this descriptor needs of a device, and what this adapter can't give. Creates nothing.
@@ -187,6 +200,7 @@ impl DeferredAa {
             }),
             rays: None,
             marks: None,
+            steps: None,
             sized: None,
             collector: Collector::new(device),
             controller: Controller::default(),
@@ -252,6 +266,7 @@ impl DeferredAa {
             shadows: s.traced.as_ref().and_then(|t| t.traces.shadows.as_ref()),
             tile_lists: s.traced.as_ref().map(|t| &t.traces.tiles),
             secondary: s.traced.as_ref().and_then(|t| t.traces.secondary.as_ref()),
+            lattices: s.lattices.as_ref().map(|l| [&l.lattices.points, &l.lattices.colors]),
         })
     }
 
@@ -259,9 +274,10 @@ impl DeferredAa {
     pub fn memory(&self) -> Memory {
         let size = self.sized.as_ref().map_or([0, 0], |s| s.scratch.size);
         let marks = if self.marks.is_some() { Marks::BYTES } else { 0 };
+        let lattices = self.sized.as_ref().and_then(|s| s.lattices.as_ref()).map_or(0, |l| l.lattices.held());
         Memory {
             gbuffer: scratch::gbuffer_bytes(size, self.build().m),
-            scratch: if size == [0, 0] { 0 } else { scratch::scratch_bytes(size) + self.list_bytes(size) + marks },
+            scratch: if size == [0, 0] { 0 } else { scratch::scratch_bytes(size) + self.list_bytes(size) + marks + lattices },
             rays: self.ray_bytes(),
         }
     }
@@ -371,6 +387,9 @@ impl DeferredAa {
             return Err(RecordError::Textures);
         }
         let size = sized.scratch.size;
+        if frame.settings.technique == Technique::MultiResolution {
+            self.check_lattices(&frame.settings, size)?;
+        }
         let mut audited = Audited::of(self.frame + 1, size);
         self.collector.poll(&mut self.controller);
         self.controller.follow(&frame.settings, size);
@@ -388,6 +407,20 @@ impl DeferredAa {
         let sized = self.sized.as_mut().ok_or(RecordError::NoSize)?;
         sized.make_list(&self.pipelines, &frame.settings)?;
         let selects = frame.settings.technique == Technique::Selective;
+        let rays = u32::from(traced.shadows) | u32::from(traced.secondary) << 1;
+        let steps = Steps::new(&frame.settings.multi_resolution, size, rays);
+        if frame.settings.technique == Technique::MultiResolution {
+            let device = &self.pipelines.build.device;
+            let buffer = self.steps.get_or_insert_with(|| {
+                device.create_buffer(&wgpu::BufferDescriptor {
+                    label: Some("daa steps"),
+                    size: STEP_STRIDE * STEPS * UNIFORM_SLOTS,
+                    usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+                    mapped_at_creation: false,
+                })
+            });
+            sized.make_lattices(&self.pipelines, buffer, &steps)?;
+        }
         if selects {
             let marks = self.marks.get_or_insert_with(|| Marks::new(&self.pipelines.build.device));
             sized.make_select(&self.pipelines, marks);
@@ -396,7 +429,7 @@ impl DeferredAa {
         if let (Some(tracing), Some(scene), true) = (&self.pipelines.tracing, frame.needs.rays, traced.any()) {
             let lights_bytes = LIGHTS_STRIDE * UNIFORM_SLOTS * Samples::COUNT;
             let buffers = self.rays.get_or_insert_with(|| RayBuffers::new(&self.pipelines.build.device, lights_bytes));
-            sized.make_traces(&self.pipelines, tracing, buffers, scene, traced, selects)?;
+            sized.make_traces(&self.pipelines, tracing, buffers, scene, self.steps.as_ref(), traced, selects)?;
             buffers.write_bouncing(queue, frame.needs.bounces);
             if let Some(made) = &sized.traced {
                 made.traces.clear(encoder, size, traced);
@@ -411,20 +444,52 @@ impl DeferredAa {
         encoder.clear_buffer(&sized.scratch.statistics, 0, None);
         let mut recorded = Recorded::new(self.frame, frame.settings.technique, size, self.pipelines.build.m);
         recorded.effort = effort;
+        let steps_offset = self.frame % UNIFORM_SLOTS * STEPS * STEP_STRIDE;
         for pass in Self::passes(&frame.settings, &frame.needs) {
             recorded.push(pass.info.name);
             if let (Step::Trace(samples) | Step::Bounce(samples), Some(lights), Some(buffers)) =
                 (pass.step, lights, &self.rays)
             {
-                let uniform = CastingUniform { samples: samples as u32, ..lights };
-                let offset = lights_offset + samples as u64 * LIGHTS_STRIDE;
+                let step = match samples {
+                    Samples::Points(place) => *steps.step(Use::Rays, place),
+                    _ => StepUniform::default(),
+                };
+                let uniform = CastingUniform { samples: samples.code(), step, ..lights };
+                let offset = lights_offset + samples.index() * LIGHTS_STRIDE;
                 queue.write_buffer(&buffers.lights, offset, bytemuck::bytes_of(&uniform));
+            }
+            let refined = match pass.step {
+                Step::Refine(of, place) => Some((of, place)),
+                Step::Points(place) => Some((Use::Shading, place)),
+                _ => None,
+            };
+            if let (Some((of, place)), Some(buffer)) = (refined, &self.steps) {
+                let offset = steps_offset + step_slot(of, place) * STEP_STRIDE;
+                queue.write_buffer(buffer, offset, bytemuck::bytes_of(steps.step(of, place)));
             }
             recorded.audited = recorded.audited.or((pass.step == Step::Audit).then_some(audited));
         }
         let collects = frame.statistics || effort.is_some();
         let offsets = [offset as u32, lights_offset as u32];
-        Ok(Recording { aa: self, frame, offsets, traced, set, recorded, audited, collects })
+        let steps_offset = steps_offset as u32;
+        Ok(Recording { aa: self, frame, offsets, traced, set, steps, steps_offset, recorded, audited, collects })
+    }
+
+    /// Whether the lattices fit the image, and the node.
+    fn check_lattices(&self, settings: &Settings, [width, height]: [u32; 2]) -> Result<(), RecordError> {
+        let lattices = &settings.multi_resolution;
+        let most = width.max(height).ilog2();
+        for (lattice, coarsest) in [("shading", lattices.shading.coarsest), ("rays", lattices.rays.coarsest)] {
+            if coarsest > most {
+                return Err(RecordError::Coarsest { lattice, coarsest, width, height, most });
+            }
+        }
+        match lattices.shading.pattern {
+            pattern @ (Pattern::Triangular | Pattern::Equilateral) if self.build().m == 1 => {
+                Err(RecordError::Shifted(pattern))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// The lights, if the frame traces; checks what it needs for that.

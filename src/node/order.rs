@@ -1,6 +1,7 @@
 //! The order of the frame's passes, and what each is called, reads and writes.
 
 use crate::effects::Traced;
+use crate::lattice::{self, Place, Use};
 use crate::list;
 use crate::listed::{self, Listing};
 use crate::pipeline::PassInfo;
@@ -10,7 +11,9 @@ use crate::settings::{DebugView, Execution, Goal, Settings, Technique};
 use crate::shade::{self, Variant};
 use crate::statistics::MAX_PASSES;
 use crate::traces::Samples;
-use crate::{audit, bounce, classify, extra, first, max_filter, metrics, plan, reconstruct, select, view};
+use crate::{
+    audit, bounce, classify, extra, first, map, max_filter, metrics, plan, points, reconstruct, refine, select, view,
+};
 
 /// A pass of the frame, in the order in which [`DeferredAa::passes`](crate::DeferredAa::passes) yields it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -26,6 +29,12 @@ pub(super) enum Step {
     Classify { bounces: bool },
     Trace(Samples),
     Bounce(Samples),
+    /// To a lattice.
+    Refine(Use, Place),
+    Points(Place),
+    Map {
+        supersampled: bool,
+    },
     First,
     Metrics,
     MaxFilter,
@@ -43,12 +52,19 @@ pub(super) enum Step {
 
 /// The frame, top to bottom.
 pub(super) fn order(settings: &Settings, traced: Traced) -> [Option<Step>; MAX_PASSES] {
-    let planned = settings.technique == Technique::Windowed;
-    let first = settings.technique != Technique::Full || settings.view == DebugView::First;
-    let (shade, source) = match (settings.technique, settings.execution) {
+    let technique = settings.technique;
+    let lattices = &settings.multi_resolution;
+    let refined = technique == Technique::MultiResolution;
+    let windowed = technique == Technique::Windowed;
+    let reconstructs = technique == Technique::Reconstructed;
+    let selects = technique == Technique::Selective;
+    let planned = windowed || (refined && lattices.supersampled);
+    let first = !(refined || technique == Technique::Full && settings.view != DebugView::First);
+    let (shade, source) = match (technique, settings.execution) {
         (Technique::Full, _) => (Some(Step::Shade(Variant::Full)), Source::Color),
         (Technique::Single, _) => (None, Source::First),
-        (Technique::Windowed, execution) => (Some(execute(execution)), Source::ByPlan),
+        (Technique::MultiResolution, _) if !planned => (None, Source::Lattice),
+        (Technique::Windowed | Technique::MultiResolution, execution) => (Some(execute(execution)), Source::ByPlan),
         (Technique::Reconstructed, _) => (Some(Step::Reconstruct), Source::Color),
         (Technique::Selective, _) => (Some(Step::Extra), Source::Color),
     };
@@ -57,35 +73,75 @@ pub(super) fn order(settings: &Settings, traced: Traced) -> [Option<Step>; MAX_P
         _ => None,
     };
     let filtered = planned && settings.execution == Execution::MaxFiltered;
-    let audited = planned && matches!(settings.goal, Some(Goal::Error(_)));
-    let trace = |samples, when| (when && traced.shadows).then_some(Step::Trace(samples));
-    let bounce = |samples, when| (when && traced.secondary).then_some(Step::Bounce(samples));
-    let before = if settings.technique == Technique::Full { Samples::Full } else { Samples::First };
-    let reconstructs = settings.technique == Technique::Reconstructed;
-    let selects = settings.technique == Technique::Selective;
-    let more = planned || reconstructs || selects;
+    let audited = windowed && matches!(settings.goal, Some(Goal::Error(_)));
+    let cast = |samples| {
+        [traced.shadows.then_some(Step::Trace(samples)), traced.secondary.then_some(Step::Bounce(samples))]
+    };
+    let before = if technique == Technique::Full { Samples::Full } else { Samples::First };
     let beyond = if reconstructs { Samples::Geometric } else { Samples::Planned };
-    [
-        traced.any().then_some(Step::Classify { bounces: traced.secondary }),
-        trace(before, true),
-        bounce(before, true),
+    let more = planned || reconstructs || selects;
+
+    let mut steps = Steps::default();
+    // Lattices cast by points, not by tiles.
+    steps.add((traced.any() && (!refined || more)).then_some(Step::Classify { bounces: traced.secondary }));
+    if refined {
+        for (i, place) in lattice::places(lattices, Use::Rays).filter(|_| traced.any()).enumerate() {
+            steps.add((i > 0).then_some(Step::Refine(Use::Rays, place)));
+            steps.extend(cast(Samples::Points(place)));
+        }
+        for (i, place) in lattice::places(lattices, Use::Shading).enumerate() {
+            steps.add((i > 0).then_some(Step::Refine(Use::Shading, place)));
+            steps.add(Some(Step::Points(place)));
+        }
+        let maps = planned || settings.view != DebugView::Image;
+        steps.add(maps.then_some(Step::Map { supersampled: planned }));
+    } else {
+        steps.extend(cast(before));
+    }
+    steps.extend([
         first.then_some(Step::First),
-        if selects { Some(Step::Select) } else { planned.then_some(Step::Metrics) },
+        selects.then_some(Step::Select),
+        windowed.then_some(Step::Metrics),
         filtered.then_some(Step::MaxFilter),
         planned.then_some(Step::Plan),
-        trace(beyond, more),
-        bounce(beyond, more),
+    ]);
+    if more {
+        steps.extend(cast(beyond));
+    }
+    steps.extend([
         list,
         shade,
         Some(match settings.view {
             DebugView::Image => Step::Resolve(source),
-            _ => Step::View { first, planned: more },
+            _ => Step::View { first: first || refined, planned: more || refined },
         }),
+    ]);
+    if audited {
         // Behind the image, which does not wait for it.
-        trace(Samples::Audited, audited),
-        bounce(Samples::Audited, audited),
-        audited.then_some(Step::Audit),
-    ]
+        steps.extend(cast(Samples::Audited));
+        steps.add(Some(Step::Audit));
+    }
+    steps.steps
+}
+
+/// Steps as they are added.
+#[derive(Default)]
+struct Steps {
+    steps: [Option<Step>; MAX_PASSES],
+    count: usize,
+}
+
+impl Steps {
+    fn add(&mut self, step: Option<Step>) {
+        if step.is_some() {
+            self.steps[self.count] = step;
+            self.count += 1;
+        }
+    }
+
+    fn extend(&mut self, steps: impl IntoIterator<Item = Option<Step>>) {
+        steps.into_iter().for_each(|step| self.add(step));
+    }
 }
 
 fn execute(execution: Execution) -> Step {
@@ -108,6 +164,7 @@ impl Step {
                 | Self::Shade(_)
                 | Self::Listed(_)
                 | Self::Reconstruct
+                | Self::Points(_)
                 | Self::Extra
                 | Self::Audit
         )
@@ -121,6 +178,9 @@ impl Step {
             Self::Classify { .. } => Self::Classify { bounces: false },
             Self::Trace(_) => Self::Trace(Samples::First),
             Self::Bounce(_) => Self::Bounce(Samples::First),
+            Self::Refine(of, _) => Self::Refine(of, Place::Pixels),
+            Self::Points(_) => Self::Points(Place::Pixels),
+            Self::Map { .. } => Self::Map { supersampled: false },
             Self::View { .. } => Self::View { first: false, planned: false },
             own => own,
         };
@@ -129,7 +189,7 @@ impl Step {
 
     /// Whether it shades the frame's samples, or judges them, which bring along what was traced.
     pub fn reads_traced(self) -> bool {
-        matches!(self, Self::Metrics | Self::Select) || (self.shades() && !matches!(self, Self::Bounce(_)))
+        matches!(self, Self::Metrics | Self::Select | Self::Refine(Use::Shading, _)) || (self.shades() && !matches!(self, Self::Bounce(_)))
     }
 
     pub fn info(self, traced: Traced) -> PassInfo {
@@ -138,6 +198,10 @@ impl Step {
             Self::Classify { .. } => classify::INFO,
             Self::Trace(samples) => samples.info(),
             Self::Bounce(samples) => bounce::info(samples),
+            Self::Refine(of, place) => refine::info(of, place, traced),
+            Self::Points(place) => points::info(place, traced),
+            Self::Map { supersampled: true } => map::INFO_SUPERSAMPLED,
+            Self::Map { .. } => map::INFO,
             Self::First if traced => first::INFO_TRACED,
             Self::First => first::INFO,
             Self::Metrics if traced => metrics::INFO_TRACED,

@@ -10,12 +10,15 @@ use crate::extra::Extra;
 use crate::first::First;
 use crate::list::Lists;
 use crate::listed::Listed;
+use crate::map::Map;
 use crate::max_filter::MaxFilter;
 use crate::metrics::Metrics;
 use crate::pipeline::Build;
 use crate::plan::Plan;
+use crate::points::Points;
 use crate::rays::RayTier;
 use crate::reconstruct::Reconstruct;
+use crate::refine::Refine;
 use crate::resolve::Resolve;
 use crate::select::Select;
 use crate::settings::Settings;
@@ -40,6 +43,9 @@ pub(super) struct Pipelines {
     pub reconstruct: Reconstruct,
     pub select: Select,
     pub extra: Extra,
+    pub refine: Refine,
+    pub points: Points,
+    pub map: Map,
     pub resolve: Resolve,
     pub view: View,
     pub audit: Audit,
@@ -73,6 +79,9 @@ impl Pipelines {
             reconstruct: Reconstruct::new(device),
             select: Select::new(device),
             extra: Extra::new(device),
+            refine: Refine::new(device),
+            points: Points::new(device),
+            map: Map::new(device),
             resolve: Resolve::new(device),
             view: View::new(device),
             audit: Audit::new(device),
@@ -150,6 +159,9 @@ impl Pipelines {
                 }
                 tracing.bounce.pipeline(build, tracing.tier)?;
             }
+            Step::Refine(of, _) => self.refine.warm_up(build, of, traced)?,
+            Step::Points(_) => drop(self.points.pipeline(build, traced)?),
+            Step::Map { .. } => drop(self.map.pipeline(build)?),
             Step::First => drop(self.first.pipeline(build, traced)?),
             Step::Metrics => drop(self.metrics.pipeline(build, traced)?),
             Step::MaxFilter => drop(self.max_filter.pipeline(build)?),

@@ -2,11 +2,14 @@
 
 use super::order::{Pass, Step};
 use super::sized::{Sized, SizedTraces};
-use super::{DeferredAa, LIGHTS_STRIDE};
+use super::{DeferredAa, LIGHTS_STRIDE, STEP_STRIDE, step_slot};
 use crate::audit::{Audit, Audited};
 use crate::effects::Traced;
 use crate::frame::Frame;
+use crate::lattice::{Place, Steps, Use};
 use crate::max_filter;
+use crate::points;
+use crate::resolve::Source;
 use crate::scratch;
 use crate::statistics::Recorded;
 use crate::traces::{Samples, TileClass, Traces};
@@ -21,6 +24,9 @@ pub struct Recording<'a> {
     pub(super) traced: Traced,
     /// Whose pipelines it takes.
     pub(super) set: Traced,
+    /// Of lattices, and where they lie.
+    pub(super) steps: Steps,
+    pub(super) steps_offset: u32,
     pub(super) recorded: Recorded,
     pub(super) audited: Audited,
     /// Statistics are asked for, or the goal needs them.
@@ -39,7 +45,9 @@ impl Recording<'_> {
         match pass.step {
             Step::Resolve(source) => {
                 let pipeline = own.resolve.pipeline(&own.build, source).ok();
-                self.fullscreen(encoder, pass, pipeline, (frame, &sized.resolve), timestamps);
+                let lattice = sized.lattices.as_ref().filter(|_| source == Source::Lattice);
+                let group = lattice.map_or(&sized.resolve, |made| &made.resolve);
+                self.fullscreen(encoder, pass, pipeline, (frame, group), timestamps);
             }
             Step::View { .. } => {
                 let pipeline = own.view.pipeline(&own.build).ok();
@@ -47,6 +55,10 @@ impl Recording<'_> {
             }
             _ => self.compute(encoder, pass, sized, timestamps),
         }
+    }
+
+    fn step_offset(&self, of: Use, place: Place) -> u32 {
+        self.steps_offset + step_slot(of, place) as u32 * STEP_STRIDE as u32
     }
 
     fn compute(
@@ -99,12 +111,36 @@ impl Recording<'_> {
                 };
                 let (Ok(pipeline), Some(group)) = (pipeline, group) else { return };
                 compute.set_pipeline(pipeline);
-                compute.set_bind_group(3, group, &[self.offsets[1] + samples as u32 * LIGHTS_STRIDE as u32]);
+                compute.set_bind_group(3, group, &[self.offsets[1] + samples.index() as u32 * LIGHTS_STRIDE as u32]);
+                if let Samples::Points(place) = samples {
+                    let [x, y] = self.steps.step(Use::Rays, place).groups(points::BLOCK);
+                    return compute.dispatch_workgroups(x, y, 1);
+                }
                 if samples == Samples::Audited {
                     let [x, y] = Audit::groups(self.audited, size);
                     return compute.dispatch_workgroups(x, y, 1);
                 }
                 return compute.dispatch_workgroups_indirect(&traces.tiles, Traces::groups_at(class));
+            }
+            Step::Refine(of, place) => {
+                let Some(made) = &sized.lattices else { return };
+                let group = if of == Use::Rays { made.refine_rays.as_ref() } else { Some(&made.refine) };
+                let Some(group) = group else { return };
+                compute.set_bind_group(3, group, &[self.step_offset(of, place)]);
+                return own.refine.dispatch(&mut compute, build, of, set, self.steps.step(of, place));
+            }
+            Step::Points(place) => {
+                let (Some(made), Ok(pipeline)) = (&sized.lattices, own.points.pipeline(build, set)) else { return };
+                compute.set_pipeline(pipeline);
+                compute.set_bind_group(3, &made.points, &[self.step_offset(Use::Shading, place)]);
+                let [x, y] = self.steps.step(Use::Shading, place).groups(points::BLOCK);
+                return compute.dispatch_workgroups(x, y, 1);
+            }
+            Step::Map { .. } => {
+                let (Some(made), Ok(pipeline)) = (&sized.lattices, own.map.pipeline(build)) else { return };
+                compute.set_pipeline(pipeline);
+                compute.set_bind_group(3, &made.map, &[self.step_offset(Use::Shading, Place::Pixels)]);
+                return compute.dispatch_workgroups(tiles[0], tiles[1], 1);
             }
             Step::First => (own.first.pipeline(build, set), &sized.first, tiles),
             Step::Metrics => (own.metrics.pipeline(build, set), &sized.metrics, tiles),

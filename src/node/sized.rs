@@ -6,6 +6,7 @@ use crate::effects::{self, Traced};
 use crate::error::{RecordError, SizeError};
 use crate::frame::FrameUniform;
 use crate::gbuffer::GBuffer;
+use crate::lattice::{Lattices, Steps};
 use crate::listed;
 use crate::pipeline::{self, Build};
 use crate::rays::RayScene;
@@ -35,6 +36,8 @@ pub(super) struct Sized {
     pub resolve: wgpu::BindGroup,
     pub view: wgpu::BindGroup,
     pub audit: wgpu::BindGroup,
+    /// From the first frame that refines lattices.
+    pub lattices: Option<SizedLattices>,
     /// By [`ListKind`], each from the first frame that needs it.
     pub lists: [Option<SizedList>; 2],
 }
@@ -52,6 +55,17 @@ pub(super) struct BoundTraces {
     pub classify: wgpu::BindGroup,
     pub trace: Option<wgpu::BindGroup>,
     pub bounce: Option<wgpu::BindGroup>,
+}
+
+/// Lattices and what binds them; for rays, once something is traced.
+#[derive(Debug)]
+pub(super) struct SizedLattices {
+    pub lattices: Lattices,
+    pub refine: wgpu::BindGroup,
+    pub refine_rays: Option<wgpu::BindGroup>,
+    pub points: wgpu::BindGroup,
+    pub map: wgpu::BindGroup,
+    pub resolve: wgpu::BindGroup,
 }
 
 /// A list and what binds it.
@@ -114,9 +128,10 @@ impl Sized {
             reconstruct: pipelines.reconstruct.bind(device, &scratch),
             extra: pipelines.extra.bind(device, &scratch),
             select: None,
-            resolve: pipelines.resolve.bind(device, &scratch),
+            resolve: pipelines.resolve.bind(device, &scratch, None),
             view: pipelines.view.bind(device, &scratch),
             audit: pipelines.audit.bind(device, &scratch),
+            lattices: None,
             lists: [None, None],
             scratch,
         }
@@ -167,6 +182,44 @@ impl Sized {
         Ok(())
     }
 
+    /// Makes the lattices, in the first frame that refines so many points. Before [`make_traces`](Self::make_traces).
+    pub fn make_lattices(
+        &mut self,
+        pipelines: &Pipelines,
+        uniforms: &wgpu::Buffer,
+        steps: &Steps,
+    ) -> Result<(), RecordError> {
+        let bytes = steps.bytes();
+        if self.lattices.as_ref().is_some_and(|made| made.lattices.hold(bytes)) {
+            return Ok(());
+        }
+        let device = &pipelines.build.device;
+        let [width, height] = self.scratch.size;
+        let refused = |why| Err(RecordError::Lattices { width, height, bytes: bytes.iter().sum(), why });
+        let limit = binding_limit(device);
+        if bytes.into_iter().any(|bytes| bytes > limit) {
+            return refused(format!("the device binds {limit}"));
+        }
+        let scope = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let lattices = Lattices::new(device, bytes);
+        if let Some(e) = pipeline::ready(scope.pop()) {
+            return refused(e.to_string());
+        }
+        if let Some(made) = &mut self.traced {
+            made.traces.points = lattices.points.clone();
+            made.bound = None;
+        }
+        self.lattices = Some(SizedLattices {
+            refine: pipelines.refine.bind(device, uniforms, &lattices),
+            refine_rays: None,
+            points: pipelines.points.bind(device, uniforms, &lattices, &self.scratch),
+            map: pipelines.map.bind(device, uniforms, &lattices, &self.scratch),
+            resolve: pipelines.resolve.bind(device, &self.scratch, Some(&lattices.colors)),
+            lattices,
+        });
+        Ok(())
+    }
+
     /// Makes what rays find room in, in the first frame that traces, and binds the frame's scene. `hits`: with what rays of first
     /// samples met.
     pub fn make_traces(
@@ -175,6 +228,7 @@ impl Sized {
         tracing: &Tracing,
         buffers: &RayBuffers,
         scene: &RayScene,
+        steps: Option<&wgpu::Buffer>,
         traced: Traced,
         hits: bool,
     ) -> Result<(), RecordError> {
@@ -190,6 +244,9 @@ impl Sized {
             .traced
             .get_or_insert_with(|| SizedTraces { traces: Traces::new(device, &buffers.lights, size), bound: None });
         let added = made.traces.make(device, size, m, traced, hits);
+        if let Some(lattices) = &self.lattices {
+            made.traces.points = lattices.lattices.points.clone();
+        }
         if let Some(e) = pipeline::ready(scope.pop()) {
             self.traced = None;
             self.frames[1..].fill(None);
@@ -202,6 +259,12 @@ impl Sized {
             self.served = None;
         }
         let (scratch, traces) = (&self.scratch, &made.traces);
+        if let (Some(lattices), Some(steps)) = (&mut self.lattices, steps)
+            && (added || lattices.refine_rays.is_none())
+        {
+            let group = pipelines.refine.bind_rays(device, steps, &lattices.lattices, traces);
+            lattices.refine_rays = Some(group);
+        }
         if added || made.bound.as_ref().is_none_or(|bound| bound.generation != scene.generation()) {
             made.bound = Some(BoundTraces {
                 generation: scene.generation(),
@@ -220,14 +283,7 @@ impl Sized {
         }
         let traces = self.traced.as_ref().map(|t| &t.traces);
         // Of what was not traced, 0 wherever it is read.
-        let nothing = (traced != set).then(|| {
-            build.device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some("daa nothing traced"),
-                size: 256,
-                usage: wgpu::BufferUsages::STORAGE,
-                mapped_at_creation: false,
-            })
-        });
+        let nothing = (traced != set).then(|| Traces::nothing(&build.device));
         let shadows = if traced.shadows { traces.and_then(|t| t.shadows.as_ref()) } else { nothing.as_ref() };
         let secondary = if traced.secondary { traces.and_then(|t| t.secondary.as_ref()) } else { nothing.as_ref() };
         let layout = &build.frame_layouts[set.index()];

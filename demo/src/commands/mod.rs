@@ -321,9 +321,10 @@ fn parse_technique(text: &str) -> Result<Technique, String> {
         "windowed" => Ok(Technique::Windowed),
         "reconstructed" => Ok(Technique::Reconstructed),
         "selective" => Ok(Technique::Selective),
+        "multiresolution" => Ok(Technique::MultiResolution),
         _ => {
-            let meant = did_you_mean(text, &["full", "single", "windowed", "reconstructed", "selective"]);
-            Err(format!("no technique '{text}':{meant} choose full, single, windowed, reconstructed or selective"))
+            let meant = did_you_mean(text, &["full", "single", "windowed", "reconstructed", "selective", "multiresolution"]);
+            Err(format!("no technique '{text}':{meant} choose full, single, windowed, reconstructed, selective or multiresolution"))
         }
     }
 }

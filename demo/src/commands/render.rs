@@ -13,7 +13,7 @@ use std::path::Path;
 pub struct Render {
     #[command(flatten)]
     view: ViewArgs,
-    /// full, single, windowed, reconstructed or selective.
+    /// full, single, windowed, reconstructed, selective or multiresolution.
     #[arg(long, default_value = "windowed", value_parser = parse_technique)]
     technique: Technique,
     /// The settings of windowed: fast, balanced or quality.

@@ -1,0 +1,27 @@
+// The values of a lattice of shaded points.
+
+@group(3) @binding(0) var<uniform> daa_step: DaaStep;
+@group(3) @binding(1) var<storage, read_write> daa_points: array<u32>;
+@group(3) @binding(2) var<storage, read_write> daa_lattice_colors: array<vec4f>;
+
+fn daa_value(index: u32, point: DaaPoint) -> vec4f {
+    return daa_lattice_colors[index];
+}
+
+/// Shadows have been found before; they veto, but are not judged.
+fn daa_bits(point: DaaPoint, valid: bool) -> u32 {
+    return 0u;
+}
+
+fn daa_shadow_at(point: DaaPoint) -> u32 {
+    return daa_shadow_bits(point.pixel, point.rank);
+}
+
+fn daa_put(index: u32, point: DaaPoint, value: vec4f, bits: u32) {
+    daa_lattice_colors[index] = value;
+}
+
+/// A point of the coarser lattice that is one of the finer too.
+fn daa_keep(index: u32, value: vec4f) {
+    daa_lattice_colors[index] = value;
+}

@@ -1,0 +1,79 @@
+// map: takes S from the finest lattice, and on request decides which windows are refined beyond it: to 4 samples, to 16, to all.
+// Joined with the chunks of lattices. CPU twin: src/reference/multi_resolution.rs.
+
+@group(3) @binding(3) var daa_first: texture_storage_2d<rgba32float, write>;
+/// k | (why | place << 4 | own << 7) << 8, for `plan`; and the same where nothing is refined beyond, and no plan follows.
+@group(3) @binding(4) var<storage, read_write> daa_counts: array<u32>;
+@group(3) @binding(5) var<storage, read_write> daa_plan: array<u32>;
+
+/// Whether a window holds more than one material or object.
+fn daa_holds_edge(pixel: vec2u) -> bool {
+    let corner = pixel * DAA_M;
+    let identity = textureLoad(daa_gbuffer_surface, corner, 0).y;
+    let n = DAA_M * DAA_M;
+    for (var i = 1u; i < n; i++) {
+        if textureLoad(daa_gbuffer_surface, corner + vec2u(i % DAA_M, i / DAA_M), 0).y != identity {
+            return true;
+        }
+    }
+    return false;
+}
+
+/// Samples of a window on level f beyond the pixels: f halvings of the pitch where m allows, else all.
+fn daa_level_samples(f: u32) -> u32 {
+    let n = DAA_M * DAA_M;
+    return select(n, min(1u << (2u * f), n), DAA_M % (1u << f) == 0u);
+}
+
+/// As `Statistics::decided` counts.
+fn daa_decided_by(by: u32) -> u32 {
+    switch by {
+        case DAA_REFINE_POSITION: { return 1u; }
+        case DAA_REFINE_COLOR: { return 3u; }
+        case DAA_REFINE_EDGE: { return 4u; }
+        case DAA_REFINE_COARSEST: { return 5u; }
+        case DAA_REFINE_SHADOW: { return 6u; }
+        default: { return 0u; }
+    }
+}
+
+@compute @workgroup_size(64)
+fn daa_map_main(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocation_index) lane: u32) {
+    let l = daa_step.points;
+    let supersampled = daa_flag(DAA_FLAG_SUPERSAMPLED);
+    let pixel = tile.xy * 8u + vec2u(lane & 7u, lane >> 3u);
+    var count = 0u;
+    if all(pixel < daa_frame.size) {
+        let at = vec2i(pixel);
+        let index = daa_point_index(l, at);
+        textureStore(daa_first, pixel, daa_lattice_colors[index]);
+        let word = daa_points[index];
+        let own = (word >> 1u) & 1u;
+        var k = own;
+        var by = daa_decided_by((word >> 8u) & 0xffu);
+        if supersampled {
+            let residual = daa_residual(l, at);
+            by = daa_decided_by(residual.by);
+            // A residual is a second difference: where colour is smooth it falls to a quarter with each halving of the pitch.
+            var f = 0u;
+            var level = daa_frame.lattice_color;
+            for (; f < 3u && residual.color > level; f++) {
+                level *= 4.0;
+            }
+            k = select(k, daa_level_samples(f), f > 0u);
+            if residual.by == DAA_REFINE_POSITION {
+                k = DAA_M * DAA_M;
+            }
+            if daa_flag(DAA_FLAG_VETO) && daa_holds_edge(pixel) {
+                k = DAA_M * DAA_M;
+                by = 4u;
+            }
+        }
+        count = k | ((by | (((word >> 4u) & 7u) << 4u) | (own << 7u)) << 8u);
+    }
+    let slot = (tile.y * daa_frame.tiles_x + tile.x) * 64u + lane;
+    daa_counts[slot] = count;
+    if !supersampled {
+        daa_plan[slot] = count;
+    }
+}
