@@ -18,8 +18,8 @@ pub struct Report {
     /// the same for all.
     #[arg(long, short, value_delimiter = ',', default_value = "2,3,4")]
     m: Vec<u32>,
-    /// What is measured, separated by commas; everything if not given: full, single, windowed, reconstructed, fxaa,
-    /// smaa. Cost curves need the first three.
+    /// What is measured, separated by commas; everything if not given: full, single, windowed, reconstructed,
+    /// selective, fxaa, smaa. Cost curves need the first three.
     #[arg(long, value_delimiter = ',')]
     techniques: Vec<String>,
     /// Any field of the settings by its path, for all entries; may be repeated.

@@ -8,7 +8,7 @@ use sha2::{Digest as _, Sha256};
 pub struct Fingerprint(Sha256);
 
 /// All shader code that has a part in an image. The library's own too: a result of other code is another result.
-const CODE: [&str; 32] = [
+const CODE: [&str; 40] = [
     crate::host::SHADING_WGSL,
     include_str!("../raster.wgsl"),
     include_str!("../../../shaders/audit.wgsl"),
@@ -17,6 +17,7 @@ const CODE: [&str; 32] = [
     include_str!("../../../shaders/classify.wgsl"),
     include_str!("../../../shaders/contract.wgsl"),
     include_str!("../../../shaders/evaluate.wgsl"),
+    include_str!("../../../shaders/extra.wgsl"),
     include_str!("../../../shaders/first.wgsl"),
     include_str!("../../../shaders/list.wgsl"),
     include_str!("../../../shaders/listed.wgsl"),
@@ -26,6 +27,7 @@ const CODE: [&str; 32] = [
     include_str!("../../../shaders/octahedral.wgsl"),
     include_str!("../../../shaders/pack.wgsl"),
     include_str!("../../../shaders/plan.wgsl"),
+    include_str!("../../../shaders/ranks.wgsl"),
     include_str!("../../../shaders/rays.wgsl"),
     include_str!("../../../shaders/rays_query.wgsl"),
     include_str!("../../../shaders/rays_software.wgsl"),
@@ -33,12 +35,18 @@ const CODE: [&str; 32] = [
     include_str!("../../../shaders/resolve.wgsl"),
     include_str!("../../../shaders/sample.wgsl"),
     include_str!("../../../shaders/secondary.wgsl"),
+    include_str!("../../../shaders/secondary_none.wgsl"),
+    include_str!("../../../shaders/select.wgsl"),
     include_str!("../../../shaders/shade.wgsl"),
     include_str!("../../../shaders/shadows.wgsl"),
+    include_str!("../../../shaders/shadows_none.wgsl"),
     include_str!("../../../shaders/shared_exponent.wgsl"),
-    include_str!("../../../shaders/trace.wgsl"),
+    include_str!("../../../shaders/statistics.wgsl"),
     include_str!("../../../shaders/table_arrays.wgsl"),
     include_str!("../../../shaders/table_bindings.wgsl"),
+    include_str!("../../../shaders/table_none.wgsl"),
+    include_str!("../../../shaders/trace.wgsl"),
+    include_str!("../../../shaders/view.wgsl"),
     include_str!("../../../shaders/work.wgsl"),
     env!("CARGO_PKG_VERSION"),
 ];

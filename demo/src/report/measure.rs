@@ -55,8 +55,9 @@ pub fn measure(
         session.tick()?;
         shooter.shoot(planned, session.camera())?;
         let image = shooter.picture(planned);
-        let counts =
-            (planned.settings.technique == Technique::Windowed).then(|| shooter.host.counts(Technique::Windowed));
+        let technique = planned.settings.technique;
+        let adaptive = !matches!(technique, Technique::Full | Technique::Single);
+        let counts = adaptive.then(|| shooter.host.counts(technique));
         let files = write_files(session, planned, &image, counts.as_deref(), &references.truth)?;
         let quality = compare(&image, grid.as_ref().map(|g| (g, mask.as_slice())), references)?;
         shown.push((files, quality));

@@ -2,7 +2,7 @@
 
 use super::schema::Role;
 use crate::peers::Peer;
-use deferred_aa::{Preset, Reconstructed, Settings, Technique, Weight, Windowed};
+use deferred_aa::{Preset, Reconstructed, Selective, Settings, Technique, Weight, Windowed};
 
 /// One entry to measure.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,7 +24,7 @@ pub struct Planned {
 }
 
 /// What `--techniques` takes, in the order of the report.
-pub const TECHNIQUES: [&str; 4] = ["full", "single", "windowed", "reconstructed"];
+pub const TECHNIQUES: [&str; 5] = ["full", "single", "windowed", "reconstructed", "selective"];
 
 /// Peers, of which `--techniques` takes the names too, and how people call them.
 pub const PEERS: [(Peer, &str); 2] = [(Peer::Fxaa, "FXAA"), (Peer::Smaa, "SMAA 1x")];
@@ -47,6 +47,21 @@ const ALL: Sweep = Sweep(
     &[(0.125, "1-8"), (0.5, "1-2"), (1.0, ""), (4.0, "4")],
 );
 const QUICK: Sweep = Sweep(&[(0.0625, "1-16"), (0.25, "1-4"), (1.0, ""), (4.0, "4")], &[(0.25, "1-4"), (1.0, "")]);
+
+/// Thresholds of Selective, with their names in ids: τcol beside the settings as given, and τa (of colour and textures) beside the
+/// paper's settings as they stand.
+struct Thresholds {
+    own: &'static [Scale],
+    paper: &'static [Scale],
+}
+
+/// For the greatest m.
+const THRESHOLDS: Thresholds =
+    Thresholds { own: &[(0.03, "0-03"), (0.3, "0-3"), (0.6, "0-6")], paper: &[(0.1, "0-1"), (0.3, "0-3"), (1.0, "1")] };
+/// For the other ones.
+const FEW_THRESHOLDS: Thresholds = Thresholds { own: &[(0.3, "0-3")], paper: &[] };
+const QUICK_THRESHOLDS: Thresholds = Thresholds { own: &[(0.3, "0-3")], paper: &[(0.1, "0-1")] };
+const NO_THRESHOLDS: Thresholds = Thresholds { own: &[], paper: &[] };
 
 /// All entries: by m, the greatest first, m = 1 last. `ms` holds no m twice.
 ///
@@ -99,6 +114,18 @@ pub fn plan(ms: &[u32], techniques: &[&str], base: Settings, quick: bool) -> Vec
                 });
             }
         }
+        if wanted("selective") {
+            let thresholds = match (quick, place) {
+                (false, 0) => THRESHOLDS,
+                (false, _) => FEW_THRESHOLDS,
+                (true, 0) => QUICK_THRESHOLDS,
+                (true, _) => NO_THRESHOLDS,
+            };
+            for (id, label, preset, selective) in selective(m, base.selective, thresholds) {
+                let settings = Settings { technique: Technique::Selective, selective, ..base };
+                all.push(Planned { id, label, role: Role::Technique, preset, m, settings, peer: None });
+            }
+        }
     }
     let plain = Settings { technique: Technique::Single, ..base };
     let at_one = |id: &str, label: &str, role, peer| {
@@ -112,6 +139,32 @@ pub fn plan(ms: &[u32], techniques: &[&str], base: Settings, quick: bool) -> Vec
         all.push(at_one(&format!("{}-m1", peer.name()), label, Role::Peer, Some(peer)));
     }
     all
+}
+
+/// Id, label, preset and settings of each entry of Selective at one m.
+fn selective(
+    m: u32,
+    base: Selective,
+    thresholds: Thresholds,
+) -> Vec<(String, String, Option<&'static str>, Selective)> {
+    let mut all = vec![(format!("selective-m{m}"), format!("Selective, m = {m}"), None, base)];
+    for &(tau_col, name) in thresholds.own {
+        let label = format!("Selective, τcol {tau_col}, m = {m}");
+        all.push((format!("selective-m{m}-{name}"), label, None, Selective { tau_col, ..base }));
+    }
+    let (id, label) = (format!("selective-m{m}-paper"), "Selective, as in the paper");
+    all.push((id.clone(), format!("{label}, m = {m}"), Some("paper"), Selective::PAPER));
+    for &(tau, name) in thresholds.paper {
+        all.push((format!("{id}-{name}"), format!("{label}, τa {tau}, m = {m}"), None, paper_selective(tau)));
+    }
+    all
+}
+
+/// The paper's settings at another τa, the threshold of colour and textures. At 1 it raises those of shadows with it (table 2).
+pub fn paper_selective(tau_a: f32) -> Selective {
+    let paper = Selective::PAPER;
+    let shadows = if tau_a < 1.0 { paper.tau_psc } else { 1.0 };
+    Selective { tau_col: tau_a, tau_pte: tau_a, tau_ste: tau_a, tau_psc: shadows, tau_ssc: shadows, ..paper }
 }
 
 /// The constants of all metrics times a factor.
@@ -161,6 +214,23 @@ mod tests {
         assert_eq!(ids(&[2], &["full"], true), ["full-m2"]);
         assert_eq!(ids(&[2, 1], &["single"], true), ["single-m2", "single-m1"]);
         assert_eq!(ids(&[2], &["smaa"], true), ["smaa-m1"]);
+    }
+
+    #[test]
+    fn selective_has_a_curve_of_its_own_and_the_papers() {
+        let of = |quick| -> Vec<_> {
+            let mut all = plan(&[3, 4], &["selective"], Settings::default(), quick);
+            all.retain(|p| p.m == 4);
+            all.iter().for_each(|p| p.settings.validate().unwrap());
+            all.iter().map(|p| (p.id.clone(), p.settings.selective.tau_col)).collect()
+        };
+        let ids = |names: &[(&str, f32)]| names.iter().map(|&(id, tau)| (id.to_owned(), tau)).collect::<Vec<_>>();
+        let own =
+            [("selective-m4", 0.1), ("selective-m4-0-03", 0.03), ("selective-m4-0-3", 0.3), ("selective-m4-0-6", 0.6)];
+        let paper = [("", 0.6), ("-0-1", 0.1), ("-0-3", 0.3), ("-1", 1.0)];
+        let paper = paper.map(|(name, tau)| (format!("selective-m4-paper{name}"), tau));
+        assert_eq!(of(false), [ids(&own), paper.to_vec()].concat());
+        assert_eq!(of(true), [ids(&[own[0], own[2]]), paper[..2].to_vec()].concat());
     }
 
     #[test]

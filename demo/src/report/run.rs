@@ -39,7 +39,7 @@ pub fn parts(request: &Request, plan: &[Planned]) -> Vec<String> {
     if wanted("windowed") && request.ms.iter().any(|&m| m > 1) {
         names.extend(["executions", "goals"].map(str::to_owned));
     }
-    if plan::TECHNIQUES.into_iter().all(wanted) {
+    if ["full", "single", "windowed"].into_iter().all(wanted) {
         names.push("effects".to_owned());
         names.extend(cost::CURVES.map(|(name, _)| cost::part(name)));
     }

@@ -4,7 +4,7 @@
 
 // Light enough for dark text on them, and apart for every kind of colour vision (after P. Tol's "light" scheme).
 const PASS_COLOURS = ["#b8bec6", "#77aadd", "#eedd88", "#ffaabb", "#99ddff", "#ee8866", "#bbcc33", "#44bb99",
-  "#d6b3e6"];
+  "#d6b3e6", "#c9ad93", "#9fb0a0", "#e6c9a8"];
 const MANY_ENTRIES = 14;
 
 function drawPasses(host, model) {

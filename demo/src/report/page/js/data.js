@@ -7,8 +7,10 @@ const IDENTICAL_DB = 199.99;
 const CLOSE = 1.1; // as accurate as Full: an error at most this much greater
 const GRID_GOOD = 0.01; // 40 dB: good enough where there is no truth
 const EQUAL_TIME = 1.05;
-const PASS_ORDER = ["gbuffer", "first", "metrics", "plan", "trace", "shade", "reconstruct", "resolve", "fxaa", "smaa"];
-const KINDS = { windowed: "Windowed", full: "Full", single: "Single", fxaa: "FXAA", smaa: "SMAA", other: "other" };
+const PASS_ORDER = ["gbuffer", "classify", "trace first", "bounce first", "first", "metrics", "plan", "select", "list",
+  "trace", "bounce", "shade", "extra", "reconstruct", "resolve", "fxaa", "smaa"];
+const KINDS = { windowed: "Windowed", selective: "Selective", reconstructed: "Reconstructed", full: "Full",
+  single: "Single", fxaa: "FXAA", smaa: "SMAA", other: "other" };
 const MEASURES = {
   rmse: { name: "rMSE", of: (q) => fromDb(q.psnr_db) },
   edge: { name: "rMSE on edges", of: (q) => fromDb(q.edge_psnr_db) },

@@ -63,6 +63,8 @@ const spokes = (n, turn, ...radii) => "M" + Array.from({ length: n }, (_, i) => 
 }).join("L") + "Z";
 const SHAPES = {
   windowed: (r) => `M${-r},0a${r},${r} 0 1 0 ${2 * r},0a${r},${r} 0 1 0 ${-2 * r},0Z`,
+  selective: (r) => spokes(8, 0, r * 1.5, r * 0.65),
+  reconstructed: (r) => spokes(5, 0, r * 1.2),
   full: (r) => spokes(4, 0.125, r * 1.25),
   single: (r) => spokes(4, 0, r * 1.3),
   fxaa: (r) => spokes(3, 0, r * 1.35),
