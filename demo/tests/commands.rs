@@ -409,7 +409,7 @@ fn a_search_writes_what_it_did_and_what_it_found() {
             assert!(on["held_out"]["psnr_db"].is_f64(), "{preset:#}");
             // What was found is among what was tried.
             let tried = record["evaluated"][i].as_array().unwrap();
-            assert!(tried.iter().any(|t| t["windowed"] == preset["windowed"] && t["figures"] == on["figures"]));
+            assert!(tried.iter().any(|t| t["settings"] == preset["settings"] && t["figures"] == on["figures"]));
         }
     }
     // The same search again finds the same, here without what it has no need of.
@@ -417,8 +417,25 @@ fn a_search_writes_what_it_did_and_what_it_found() {
     assert!(again.status.success(), "{}", text(&again.stderr));
     let second: Value = serde_json::from_slice(&std::fs::read(folder.0.join("out/tune.json")).unwrap()).unwrap();
     for (one, other) in presets.iter().zip(second["presets"].as_array().unwrap()) {
-        assert_eq!(one["windowed"], other["windowed"]);
+        assert_eq!(one["settings"], other["settings"]);
         assert!(other["scenes"][0]["held_out"].is_null());
+    }
+}
+
+#[test]
+fn thresholds_are_searched_too() {
+    let folder = Folder::new("tune selective");
+    let arguments = ["--technique", "selective", "--scene", "cornell", "--rounds", "1", "--target-db", "24,28,32"];
+    let output = tune(&folder, &arguments);
+    let stdout = text(&output.stdout);
+    assert!(output.status.success() && output.stderr.is_empty(), "{}", text(&output.stderr));
+    assert!(stdout.contains("// balanced\nSelective {\n    tau_col: "), "{stdout}");
+    let record: Value = serde_json::from_slice(&std::fs::read(folder.0.join("out/tune.json")).unwrap()).unwrap();
+    assert_eq!(record["technique"], "selective");
+    for preset in record["presets"].as_array().unwrap() {
+        let floor = preset["task"]["floor_db"].as_f64().unwrap();
+        assert!(preset["scenes"][0]["figures"]["psnr_db"].as_f64().unwrap() >= floor, "{preset:#}");
+        assert_eq!(preset["settings"]["tau_poid"], preset["settings"]["tau_soid"]);
     }
 }
 
@@ -434,6 +451,7 @@ fn searches_that_cannot_be() {
         (&["--m", "1"], &["--m", "1 is not in 2 to 8"]),
         (&["--m", "9"], &["--m", "9 is not in 2 to 8"]),
         (&["--size", "5"], &["--size", "WIDTHxHEIGHT"]),
+        (&["--technique", "full"], &["'full'", "choose windowed or selective"]),
         (&["--rounds", "many"], &["'many'", "--rounds"]),
         (&["--scene", "cornell", "--out", &taken], &["taken", "--out"]),
     ] {

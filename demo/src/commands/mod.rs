@@ -37,7 +37,7 @@ enum Command {
     Demo(demo::Demo),
     /// Measures techniques over their settings against the truth: report.html, report.json, and pictures of every entry.
     Report(report::Report),
-    /// Searches the settings of windowed for presets that reach given errors with the fewest samples on several scenes.
+    /// Searches the settings of a technique for presets that reach given errors with the fewest samples on several scenes.
     Tune(tune::Tune),
     /// Lists the graphics adapters and what each can run.
     Adapters,

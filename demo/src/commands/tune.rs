@@ -3,10 +3,12 @@
 use super::render::write_json;
 use super::{CameraArg, CommandError, RayArg, SceneArgs, TextureArg, ViewArgs, parse_camera, parse_size, say};
 use crate::host::Shot;
+use crate::names::did_you_mean;
 use crate::stats::Spread;
-use crate::tune::subject::{Figures, Subject, SubjectError, full, windowed};
-use crate::tune::{Point, START, Task, Tuner};
-use deferred_aa::Windowed;
+use crate::tune::subject::{Figures, Subject, SubjectError, full};
+use crate::tune::tunable::Tunable;
+use crate::tune::{Point, Task, Tuner};
+use deferred_aa::{Selective, Windowed};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -14,6 +16,9 @@ use std::path::{Path, PathBuf};
 /// See `deferred-aa-demo tune --help`.
 #[derive(Debug, clap::Args)]
 pub struct Tune {
+    /// Whose settings are searched: windowed or selective.
+    #[arg(long, default_value = "windowed", value_parser = parse_tunable)]
+    technique: &'static str,
     /// A built-in scene or a .gltf or .glb file, with its camera after an @ if not its own: FILE@x,y,z,tx,ty,tz,fov. May be
     /// repeated; all built-in scenes but flat and empty if not given.
     #[arg(long = "scene", value_name = "NAME|FILE[@CAMERA]")]
@@ -57,31 +62,42 @@ fn parse_targets(text: &str) -> Result<Targets, String> {
         .ok_or_else(|| format!("'{text}' is no three targets: write three rising dB in 10 to 80, such as 41,46,50"))
 }
 
+fn parse_tunable(text: &str) -> Result<&'static str, String> {
+    let known = [Windowed::TECHNIQUE, Selective::TECHNIQUE];
+    let meant = did_you_mean(text, &known);
+    known
+        .into_iter()
+        .find(|k| *k == text)
+        .ok_or_else(|| format!("nothing to tune for '{text}':{meant} choose {}", known.join(" or ")))
+}
+
 /// tune.json.
 #[derive(Debug, Serialize)]
-struct Record {
+struct Record<T> {
+    /// That is tuned.
+    technique: &'static str,
     width: u32,
     height: u32,
     m: u32,
     adapter: String,
     scenes: Vec<String>,
     /// In the order of [`NAMES`]; those that are finished.
-    presets: Vec<Preset>,
+    presets: Vec<Preset<T>>,
     /// One list a scene: everything that was rendered on it.
-    evaluated: Vec<Vec<Tried>>,
+    evaluated: Vec<Vec<Tried<T>>>,
 }
 
 #[derive(Debug, Serialize)]
-struct Tried {
-    windowed: Windowed,
+struct Tried<T> {
+    settings: T,
     figures: Figures,
 }
 
 #[derive(Debug, Serialize)]
-struct Preset {
+struct Preset<T> {
     name: &'static str,
     task: Task,
-    windowed: Windowed,
+    settings: T,
     mean_ratio: f64,
     scenes: Vec<OnScene>,
 }
@@ -96,23 +112,23 @@ struct OnScene {
     time_over_full: Option<Spread>,
 }
 
-impl Record {
-    /// Where the next search begins: at the last preset's settings, the first at [`START`].
-    fn start(&self) -> Windowed {
-        self.presets.last().map_or(START, |p| p.windowed)
+impl<T: Tunable> Record<T> {
+    /// Where the next search begins: at the last preset's settings, the first at [`Tunable::START`].
+    fn start(&self) -> T {
+        self.presets.last().map_or(T::START, |p| p.settings)
     }
 }
 
-impl Preset {
-    fn new(name: &'static str, task: Task, found: &Point, subjects: &[Subject]) -> Self {
-        let on = |(subject, figures): (&Subject, &Figures)| OnScene {
+impl<T: Tunable> Preset<T> {
+    fn new(name: &'static str, task: Task, found: &Point<T>, subjects: &[Subject<T>]) -> Self {
+        let on = |(subject, figures): (&Subject<T>, &Figures)| OnScene {
             scene: subject.name.clone(),
             figures: *figures,
             held_out: None,
             time_over_full: None,
         };
         let scenes = subjects.iter().zip(&found.figures).map(on).collect();
-        Self { name, task, windowed: found.windowed, mean_ratio: found.mean_ratio(), scenes }
+        Self { name, task, settings: found.settings, mean_ratio: found.mean_ratio(), scenes }
     }
 }
 
@@ -127,15 +143,20 @@ impl From<SubjectError> for CommandError {
 
 impl Tune {
     pub fn run(self) -> Result<(), CommandError> {
+        if self.technique == Selective::TECHNIQUE { self.tune::<Selective>() } else { self.tune::<Windowed>() }
+    }
+
+    fn tune<T: Tunable>(self) -> Result<(), CommandError> {
         let wrong = |problem: &str| CommandError::Argument { argument: "--m".into(), problem: problem.into() };
         if !(2..=deferred_aa::window::MAX_M).contains(&self.m) {
             return Err(wrong(&format!("{} is not in 2 to 8", self.m)));
         }
         let rounds = if self.quick { self.rounds.min(2) } else { self.rounds };
-        let mut subjects = self.subjects()?;
+        let mut subjects = self.subjects::<T>()?;
         let holdout = !self.quick && subjects.len() > 1;
         let (width, height) = self.size;
         let mut record = Record {
+            technique: T::TECHNIQUE,
             width,
             height,
             m: self.m,
@@ -157,11 +178,11 @@ impl Tune {
             write_json(&path, &record)?;
         }
         if holdout {
-            let mut start = START;
+            let mut start = T::START;
             for i in 0..record.presets.len() {
                 let preset = &mut record.presets[i];
                 hold_out(&mut subjects, preset, start, &bar)?;
-                start = preset.windowed;
+                start = preset.settings;
                 record.evaluated = evaluated(&subjects);
                 write_json(&path, &record)?;
             }
@@ -174,7 +195,7 @@ impl Tune {
         Ok(())
     }
 
-    fn subjects(&self) -> Result<Vec<Subject>, CommandError> {
+    fn subjects<T: Tunable>(&self) -> Result<Vec<Subject<T>>, CommandError> {
         let builtin = ["atrium", "fence", "checker", "spheres", "cornell"].map(str::to_owned).to_vec();
         let specs = if self.scenes.is_empty() { builtin } else { self.scenes.clone() };
         let views: Vec<_> = specs.iter().map(|s| self.view(s)).collect::<Result<_, _>>()?;
@@ -217,29 +238,29 @@ fn progress(rounds: usize) -> ProgressBar {
     ProgressBar::new(rounds as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
-fn search(
-    subjects: &mut [Subject],
+fn search<T: Tunable>(
+    subjects: &mut [Subject<T>],
     held_out: Option<usize>,
-    start: Windowed,
+    start: T,
     task: Task,
     bar: &ProgressBar,
     preset: &str,
-) -> Result<Point, SubjectError> {
+) -> Result<Point<T>, SubjectError> {
     let without = held_out.map_or(String::new(), |i| format!(" without {}", subjects[i].name));
     bar.set_message(format!("{preset}{without}"));
     Tuner { subjects, held_out }.search(start, task, |_| bar.inc(1))
 }
 
 /// Searches again without each scene in turn, and tries on it what was found without it.
-fn hold_out(
-    subjects: &mut [Subject],
-    preset: &mut Preset,
-    start: Windowed,
+fn hold_out<T: Tunable>(
+    subjects: &mut [Subject<T>],
+    preset: &mut Preset<T>,
+    start: T,
     bar: &ProgressBar,
 ) -> Result<(), SubjectError> {
     for i in 0..subjects.len() {
         let blind = search(subjects, Some(i), start, preset.task, bar, preset.name)?;
-        let figures = subjects[i].figures(blind.windowed)?;
+        let figures = subjects[i].figures(blind.settings)?;
         if let Some(scene) = preset.scenes.get_mut(i) {
             scene.held_out = Some(figures);
         }
@@ -247,8 +268,8 @@ fn hold_out(
     Ok(())
 }
 
-fn evaluated(subjects: &[Subject]) -> Vec<Vec<Tried>> {
-    let tried = |s: &Subject| s.tried.iter().map(|&(windowed, figures)| Tried { windowed, figures }).collect();
+fn evaluated<T: Tunable>(subjects: &[Subject<T>]) -> Vec<Vec<Tried<T>>> {
+    let tried = |s: &Subject<T>| s.tried.iter().map(|&(settings, figures)| Tried { settings, figures }).collect();
     subjects.iter().map(tried).collect()
 }
 
@@ -258,13 +279,13 @@ fn node_ms(shot: &Shot) -> Option<f64> {
 }
 
 /// Full and the presets in turn, after one frame that warms up.
-fn measure_times(subjects: &mut [Subject], presets: &mut [Preset]) -> Result<(), SubjectError> {
+fn measure_times<T: Tunable>(subjects: &mut [Subject<T>], presets: &mut [Preset<T>]) -> Result<(), SubjectError> {
     for (i, subject) in subjects.iter_mut().enumerate() {
         let mut ratios = vec![Vec::new(); presets.len()];
         for round in 0..=TIMED {
             let reference = node_ms(&subject.shot(full())?);
             for (preset, ratios) in presets.iter().zip(&mut ratios) {
-                let own = node_ms(&subject.shot(windowed(preset.windowed))?);
+                let own = node_ms(&subject.shot(preset.settings.settings())?);
                 if let (Some(own), Some(reference), true) = (own, reference, round > 0) {
                     ratios.push(own / reference);
                 }
@@ -279,11 +300,11 @@ fn measure_times(subjects: &mut [Subject], presets: &mut [Preset]) -> Result<(),
     Ok(())
 }
 
-fn summary(record: &Record, path: &Path) -> String {
-    let Record { width, height, m, adapter, .. } = record;
-    let count = |s: &Vec<Tried>| s.len();
+fn summary<T: Tunable>(record: &Record<T>, path: &Path) -> String {
+    let Record { technique, width, height, m, adapter, .. } = record;
+    let count = |s: &Vec<Tried<T>>| s.len();
     let frames: usize = record.evaluated.iter().map(count).sum();
-    let mut text = format!("{width}×{height}, m = {m}, {adapter}: {frames} frames tried\n");
+    let mut text = format!("{technique}, {width}×{height}, m = {m}, {adapter}: {frames} frames tried\n");
     for preset in &record.presets {
         text += &format!(
             "\n{}, at least {} dB\n{:<34}{:>8}{:>10}{:>10}{:>8}{:>22}\n",
@@ -302,20 +323,9 @@ fn summary(record: &Record, path: &Path) -> String {
     }
     text += "\nsamples, time: over those of Full. PSNR, edges: against Full\n";
     for preset in &record.presets {
-        text += &constant(preset);
+        text += &format!("\n// {}\n{}\n", preset.name, preset.settings.source());
     }
     text + &path.display().to_string()
-}
-
-/// The settings as they stand in source.
-fn constant(preset: &Preset) -> String {
-    let name = preset.name;
-    let fields = format!("{:#?}", preset.windowed);
-    let fields: Vec<_> = fields.lines().filter(|line| !line.contains("tile_limit")).collect();
-    let fields = fields.join("\n").replace(": Perceptual", ": LuminanceCurve::Perceptual");
-    let fields = fields.replace(": Discontinuity", ": DepthMeasure::Discontinuity");
-    let body = fields.trim_end_matches('}');
-    format!("\n// {name}\n{body}    tile_limit: Windowed::NO_TILE_LIMIT,\n}}\n")
 }
 
 #[cfg(test)]
@@ -329,26 +339,6 @@ mod tests {
             ["", "40", "40,44", "40,44,50,60", "44,40,50", "40,40,50", "a,b,c", "nan,40,50", "5,40,50", "40,50,inf"]
         {
             assert!(parse_targets(bad).unwrap_err().contains("three rising dB"), "{bad}");
-        }
-    }
-
-    #[test]
-    fn constants_are_source() {
-        let preset = Preset {
-            name: "fast",
-            task: Task { floor_db: 40.0, rounds: 1 },
-            windowed: Windowed { luminance_scale: 83.0, ..Windowed::default() },
-            mean_ratio: 0.2,
-            scenes: Vec::new(),
-        };
-        let text = constant(&preset);
-        for line in [
-            "\n// fast\nWindowed {\n    depth: DepthMeasure::Discontinuity,\n",
-            "    luminance_scale: 83.0,\n",
-            "    luminance: LuminanceCurve::Perceptual,\n",
-            "    tile_limit: Windowed::NO_TILE_LIMIT,\n}\n",
-        ] {
-            assert!(text.contains(line), "{line} is not in {text}");
         }
     }
 }

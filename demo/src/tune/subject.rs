@@ -1,10 +1,11 @@
 //! A view on which settings are tried.
 
+use super::tunable::Tunable;
 use crate::host::{Host, HostError, Shot};
 use crate::picture::Picture;
 use crate::quality::{self, QualityError};
 use crate::scene::Camera;
-use deferred_aa::{Settings, Technique, Windowed};
+use deferred_aa::{Settings, Technique};
 use serde::Serialize;
 
 /// What settings give on a view, against full supersampling at the same m.
@@ -31,20 +32,15 @@ pub enum SubjectError {
 
 /// A view, its host kept open, its reference, and all that was tried on it.
 #[derive(Debug)]
-pub struct Subject {
+pub struct Subject<T> {
     /// As given on the command line.
     pub name: String,
     /// Every point with what it gave, in the order of trial.
-    pub tried: Vec<(Windowed, Figures)>,
+    pub tried: Vec<(T, Figures)>,
     host: Host,
     camera: Camera,
     reference: Picture,
     edges: Vec<bool>,
-}
-
-/// The settings that try these metrics.
-pub fn windowed(windowed: Windowed) -> Settings {
-    Settings { technique: Technique::Windowed, windowed, ..Default::default() }
 }
 
 /// The settings that all are held against.
@@ -52,7 +48,7 @@ pub fn full() -> Settings {
     Settings { technique: Technique::Full, ..Default::default() }
 }
 
-impl Subject {
+impl<T: Tunable> Subject<T> {
     /// Renders the reference.
     pub fn new(name: String, mut host: Host, camera: Camera) -> Result<Self, SubjectError> {
         host.frame(&camera, full())?;
@@ -60,17 +56,17 @@ impl Subject {
         Ok(Self { name, tried: Vec::new(), host, camera, reference, edges })
     }
 
-    /// The figures of these metrics; what was tried before is not rendered again.
-    pub fn figures(&mut self, metrics: Windowed) -> Result<Figures, SubjectError> {
-        if let Some((_, figures)) = self.tried.iter().find(|(tried, _)| *tried == metrics) {
+    /// The figures of these settings; what was tried before is not rendered again.
+    pub fn figures(&mut self, settings: T) -> Result<Figures, SubjectError> {
+        if let Some((_, figures)) = self.tried.iter().find(|(tried, _)| *tried == settings) {
             return Ok(*figures);
         }
-        let shot = self.host.shade_again(&self.camera, windowed(metrics))?;
+        let shot = self.host.shade_again(&self.camera, settings.settings())?;
         let image = self.host.picture();
         let psnr_db = quality::psnr(&image, &self.reference)?;
         let edge_psnr_db = quality::edge_psnr(&image, &self.reference, &self.edges)?.unwrap_or(psnr_db);
         let figures = Figures { ratio: shot.statistics.ratio, psnr_db, edge_psnr_db };
-        self.tried.push((metrics, figures));
+        self.tried.push((settings, figures));
         Ok(figures)
     }
 

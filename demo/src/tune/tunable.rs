@@ -1,0 +1,278 @@
+//! What of a technique's settings is searched.
+
+use super::search::{Axis, two_digits};
+use deferred_aa::{ColorReference, DepthMeasure, Enabled, LuminanceCurve, Selective, Settings, Technique, Windowed};
+use serde::Serialize;
+use std::fmt::Debug;
+
+/// Settings that can be tuned. One of them, the dial, trades samples for error most smoothly: it brings every point to the floor and
+/// is no axis of the search.
+pub trait Tunable: Copy + PartialEq + Debug + Serialize + 'static {
+    /// On the command line.
+    const TECHNIQUE: &'static str;
+    /// What is searched besides the dial.
+    const AXES: &'static [Axis];
+    /// The least and the greatest of the dial.
+    const DIAL: [f64; 2];
+    /// 1 where a greater dial means more samples, −1 where it means fewer.
+    const TOWARDS_MORE: f64;
+    /// Where the first search begins, whatever the presets are by now, so that it finds them again.
+    const START: Self;
+
+    /// That try these.
+    fn settings(self) -> Settings;
+    /// Of the axes, unrounded.
+    fn values(&self) -> Vec<f32>;
+    /// These with other values of the axes.
+    fn with_values(self, values: &[f64]) -> Self;
+    /// Of the dial.
+    fn dial(&self) -> f32;
+    /// These with another dial.
+    fn with_dial(self, dial: f32) -> Self;
+    /// These, and others in valleys that no step leads into: the search begins in the best.
+    fn starts(self) -> Vec<Self>;
+    /// The choices that have no scale, one changed at a time.
+    fn variants(self) -> Vec<Self>;
+    /// As they stand in source.
+    fn source(&self) -> String;
+}
+
+/// The axes' values of settings, as the search has them.
+pub fn values<T: Tunable>(settings: &T) -> Vec<f64> {
+    settings.values().into_iter().map(|v| two_digits(f64::from(v))).collect()
+}
+
+/// `luminance_min` and `luminance_edge` that see faint edges too, and those that see strong ones alone: few samples for many
+/// windows or many for few.
+const FAINT: (f32, f32) = (0.01, 0.02);
+const STRONG: (f32, f32) = (0.02, 0.12);
+
+impl Tunable for Windowed {
+    const TECHNIQUE: &'static str = "windowed";
+    const AXES: &'static [Axis] = &[
+        Axis { name: "luminance_edge", least: 0.005, most: 0.3 },
+        Axis { name: "depth_scale", least: 10.0, most: 10_000.0 },
+        Axis { name: "normal_scale", least: 2.0, most: 100.0 },
+        Axis { name: "luminance_min", least: 0.001, most: 0.1 },
+        // Textures shimmer below a half, which no error of a single frame shows.
+        Axis { name: "footprint", least: 0.5, most: 1.2 },
+    ];
+    const DIAL: [f64; 2] = [1.0, 2000.0];
+    const TOWARDS_MORE: f64 = 1.0;
+    const START: Self = Self {
+        depth: DepthMeasure::Discontinuity,
+        depth_scale: 100.0,
+        normal_scale: 12.0,
+        two_sided: false,
+        luminance_scale: 120.0,
+        luminance_min: STRONG.0,
+        luminance_edge: STRONG.1,
+        luminance: LuminanceCurve::Perceptual,
+        luminance_centre: true,
+        identity_samples: 0.0,
+        shadow_samples: 8.0,
+        least_samples: 1.0,
+        footprint: 0.6,
+        centred: true,
+        edge_aware_first: true,
+        tile_limit: Self::NO_TILE_LIMIT,
+    };
+
+    fn settings(self) -> Settings {
+        Settings { technique: Technique::Windowed, windowed: self, ..Default::default() }
+    }
+
+    fn values(&self) -> Vec<f32> {
+        vec![self.luminance_edge, self.depth_scale, self.normal_scale, self.luminance_min, self.footprint]
+    }
+
+    fn with_values(self, values: &[f64]) -> Self {
+        let &[luminance_edge, depth_scale, normal_scale, luminance_min, footprint] = values else { return self };
+        Self {
+            luminance_edge: luminance_edge as f32,
+            depth_scale: depth_scale as f32,
+            normal_scale: normal_scale as f32,
+            luminance_min: luminance_min as f32,
+            footprint: footprint as f32,
+            ..self
+        }
+    }
+
+    fn dial(&self) -> f32 {
+        self.luminance_scale
+    }
+
+    fn with_dial(self, luminance_scale: f32) -> Self {
+        Self { luminance_scale, ..self }
+    }
+
+    fn starts(self) -> Vec<Self> {
+        let valleys = [(self.luminance_min, self.luminance_edge), FAINT, STRONG];
+        valleys.map(|(luminance_min, luminance_edge)| Self { luminance_min, luminance_edge, ..self }).to_vec()
+    }
+
+    fn variants(self) -> Vec<Self> {
+        let samples = [0.0, 2.0, 4.0, 8.0].map(|identity_samples| Self { identity_samples, ..self });
+        let centre = Self { luminance_centre: !self.luminance_centre, ..self };
+        samples.into_iter().chain([centre]).filter(|v| *v != self).collect()
+    }
+
+    fn source(&self) -> String {
+        let fields = format!("{self:#?}");
+        let fields: Vec<_> = fields.lines().filter(|line| !line.contains("tile_limit")).collect();
+        let fields = fields.join("\n").replace(": Perceptual", ": LuminanceCurve::Perceptual");
+        let fields = fields.replace(": Discontinuity", ": DepthMeasure::Discontinuity");
+        format!("{}    tile_limit: Windowed::NO_TILE_LIMIT,\n}}", fields.trim_end_matches('}'))
+    }
+}
+
+/// What is reflected and refracted has the thresholds of what is shown.
+impl Tunable for Selective {
+    const TECHNIQUE: &'static str = "selective";
+    const AXES: &'static [Axis] = &[
+        Axis { name: "tau_poid", least: 0.001, most: 1.0 },
+        Axis { name: "tau_psn", least: 0.001, most: 1.0 },
+        Axis { name: "tau_psc", least: 0.001, most: 1.0 },
+        Axis { name: "tau_pte", least: 0.001, most: 1.0 },
+        Axis { name: "contrast_min", least: 0.001, most: 0.1 },
+        // Textures shimmer below a half, which no error of a single frame shows.
+        Axis { name: "footprint", least: 0.5, most: 1.2 },
+    ];
+    const DIAL: [f64; 2] = [0.001, 1.0];
+    const TOWARDS_MORE: f64 = -1.0;
+    const START: Self = Self {
+        tau_col: 0.1,
+        tau_poid: 0.02,
+        tau_psn: 0.02,
+        tau_psc: 0.02,
+        tau_pte: 0.1,
+        tau_soid: 0.02,
+        tau_ssn: 0.02,
+        tau_ssc: 0.02,
+        tau_ste: 0.1,
+        enabled: Enabled::ALL,
+        reference: ColorReference::Color,
+        curve: LuminanceCurve::Perceptual,
+        contrast_min: 0.02,
+        normal_cosine: 0.95,
+        shadow_lights: true,
+        bilinear: true,
+        focused: false,
+        footprint: 0.5,
+        edge_aware_first: true,
+    };
+
+    fn settings(self) -> Settings {
+        Settings { technique: Technique::Selective, selective: self, ..Default::default() }
+    }
+
+    fn values(&self) -> Vec<f32> {
+        vec![self.tau_poid, self.tau_psn, self.tau_psc, self.tau_pte, self.contrast_min, self.footprint]
+    }
+
+    fn with_values(self, values: &[f64]) -> Self {
+        let &[poid, psn, psc, pte, contrast_min, footprint] = values else { return self };
+        let [poid, psn, psc, pte] = [poid, psn, psc, pte].map(|tau| tau as f32);
+        Self {
+            tau_poid: poid,
+            tau_psn: psn,
+            tau_psc: psc,
+            tau_pte: pte,
+            tau_soid: poid,
+            tau_ssn: psn,
+            tau_ssc: psc,
+            tau_ste: pte,
+            contrast_min: contrast_min as f32,
+            footprint: footprint as f32,
+            ..self
+        }
+    }
+
+    fn dial(&self) -> f32 {
+        self.tau_col
+    }
+
+    fn with_dial(self, tau_col: f32) -> Self {
+        Self { tau_col, ..self }
+    }
+
+    fn starts(self) -> Vec<Self> {
+        vec![self]
+    }
+
+    fn variants(self) -> Vec<Self> {
+        let cosines = [0.9, 0.95, 0.98].map(|normal_cosine| Self { normal_cosine, ..self });
+        let others = [Self { bilinear: !self.bilinear, ..self }, Self { shadow_lights: !self.shadow_lights, ..self }];
+        cosines.into_iter().chain(others).filter(|v| *v != self).collect()
+    }
+
+    fn source(&self) -> String {
+        let fields = format!("{self:#?}").replace(": Perceptual", ": LuminanceCurve::Perceptual");
+        fields.replace(": Color,", ": ColorReference::Color,")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn go_there_and_back<T: Tunable>(settings: T) {
+        assert_eq!(settings.with_values(&values(&settings)), settings);
+        for (at, axis) in T::AXES.iter().enumerate() {
+            let mut moved = values(&settings);
+            moved[at] = axis.most;
+            let tree = serde_json::to_value(settings.with_values(&moved)).unwrap();
+            let value = tree[axis.name].as_f64().unwrap();
+            assert!((value - axis.most).abs() < 1e-6 * axis.most, "{}: {value}", axis.name);
+        }
+        for dial in T::DIAL {
+            let turned = settings.with_dial(dial as f32);
+            assert_eq!((turned.dial(), turned.values()), (dial as f32, settings.values()));
+            assert_eq!(turned.settings().validate(), Ok(()));
+        }
+    }
+
+    #[test]
+    fn values_and_dials_go_there_and_back() {
+        go_there_and_back(Windowed::default());
+        go_there_and_back(Windowed::START);
+        go_there_and_back(Selective::default());
+        go_there_and_back(Selective::START);
+    }
+
+    fn differ_by_one_choice<T: Tunable>(settings: T, count: usize) {
+        let all = settings.variants();
+        assert_eq!(all.len(), count);
+        for v in all {
+            assert_ne!(v, settings);
+            assert_eq!(v.settings().validate(), Ok(()));
+        }
+    }
+
+    #[test]
+    fn every_variant_is_sound_and_another() {
+        differ_by_one_choice(Windowed::default(), 4);
+        differ_by_one_choice(Selective::default(), 4);
+    }
+
+    #[test]
+    fn source_is_rust() {
+        let windowed = Windowed { luminance_scale: 83.0, ..Windowed::default() }.source();
+        for line in [
+            "Windowed {\n    depth: DepthMeasure::Discontinuity,\n",
+            "    luminance_scale: 83.0,\n",
+            "    luminance: LuminanceCurve::Perceptual,\n",
+            "    tile_limit: Windowed::NO_TILE_LIMIT,\n}",
+        ] {
+            assert!(windowed.contains(line), "{line} is not in {windowed}");
+        }
+        let selective = Selective { tau_col: 0.07, ..Selective::default() }.source();
+        for line in [
+            "Selective {\n    tau_col: 0.07,\n",
+            "    enabled: Enabled {\n        col: true,\n",
+            "    reference: ColorReference::Color,\n    curve: LuminanceCurve::Perceptual,\n",
+        ] {
+            assert!(selective.contains(line), "{line} is not in {selective}");
+        }
+    }
+}
