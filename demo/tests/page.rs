@@ -224,9 +224,19 @@ fn the_page_says_what_is_missing() {
             entry[field] = Value::Null;
         }
     }
-    for field in
-        ["truth", "cost", "executions", "goals", "oracles", "crops", "triangles", "lights", "adapter", "frontier"]
-    {
+    for field in [
+        "truth",
+        "cost",
+        "executions",
+        "goals",
+        "oracles",
+        "papers",
+        "crops",
+        "triangles",
+        "lights",
+        "adapter",
+        "frontier",
+    ] {
         bare[field] = Value::Null;
     }
     bare["unfinished"] = json!(["full-m4"]);
@@ -234,6 +244,21 @@ fn the_page_says_what_is_missing() {
     assert_sound(&dom, &bare);
     assert!(sentences(&dom).contains("Nothing yet"), "{}", sentences(&dom));
     assert!(dom.contains("Unfinished: 1 planned entry was not measured"));
+}
+
+#[test]
+fn the_page_shows_the_papers_tables() {
+    let Some(dom) = drawn("papers", page(), "1280,900") else { return };
+    let tables = report(page())["papers"]["tables"].as_array().unwrap().clone();
+    let section = dom.split("id=\"papers\"").nth(1).unwrap().split("</section>").next().unwrap();
+    for table in &tables {
+        assert!(section.contains(table["title"].as_str().unwrap()));
+        for row in table["rows"].as_array().unwrap() {
+            assert!(section.contains(row["label"].as_str().unwrap()), "{}", row["label"]);
+        }
+    }
+    assert!(section.contains("Fairy Forest, printed") && section.contains("46.7&nbsp;dB"), "{section}");
+    assert!(!tags(section, &["class=\"line dashed\""]).is_empty(), "the paper's curves");
 }
 
 #[test]

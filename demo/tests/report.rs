@@ -1,5 +1,6 @@
 //! `report` as its user meets it, on pictures of a few thousand pixels.
 
+use deferred_aa_demo::report::schema::Report;
 use image::RgbImage;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -111,6 +112,7 @@ fn every_field_and_file_is_there() {
         "executions",
         "cost",
         "effects",
+        "papers",
         "goals",
         "crops",
         "unfinished",
@@ -124,7 +126,8 @@ fn every_field_and_file_is_there() {
     );
     assert_eq!(report["truth"]["samples_per_pixel"], 256);
     assert_eq!(report["unfinished"], Value::Array(Vec::new()));
-    for id in ["full-m2", "single-m2", "windowed-m2", "windowed-m2-x1-4", "windowed-m2-paper", "single-m1"] {
+    let adaptive = ["windowed-m2", "windowed-m2-x1-4", "windowed-m2-paper", "selective-m2", "selective-m2-paper"];
+    for id in ["full-m2", "single-m2", "single-m1"].into_iter().chain(adaptive) {
         let entry = find(report, id);
         for key in [
             "label",
@@ -192,6 +195,81 @@ fn what_the_scene_does_not_pay_for_is_there() {
     let bounce = |r: &Value| r["frames"]["tiles"]["bounce"].as_u64().unwrap();
     let mirrors: Vec<_> = effects["mirrors"].as_array().unwrap().iter().map(bounce).collect();
     assert!(mirrors[0] == 0 && mirrors[1] > 0 && mirrors[2] == 64 * mirrors[1], "{mirrors:?}");
+}
+
+/// The tables of the papers in a report, by id.
+fn tables(report: &Value) -> BTreeMap<&str, &Value> {
+    let tables = report["papers"]["tables"].as_array().unwrap();
+    tables.iter().map(|t| (t["id"].as_str().unwrap(), t)).collect()
+}
+
+#[test]
+fn the_papers_tables_are_there_with_ours_beside_them() {
+    let (_, report) = whole();
+    let tables = tables(report);
+    assert_eq!(
+        tables.keys().copied().collect::<Vec<_>>(),
+        ["jin-2009-figure-7", "jin-2009-figure-7-ours", "jin-2009-table-2"]
+    );
+    let row = |table: &str, id: &str| {
+        let rows = tables[table]["rows"].as_array().unwrap();
+        rows.iter().find(|r| r["id"] == id).unwrap_or_else(|| panic!("no row {id}")).clone()
+    };
+    let of = |id| row("jin-2009-table-2", id);
+    let timed = !find(report, "full-m2")["time_ms"].as_object().unwrap().is_empty();
+    for (id, n) in [("fixed-16", 16.0), ("fixed-9", 9.0), ("fixed-4", 4.0), ("fixed-1", 1.0)] {
+        let row = of(id);
+        assert_eq!((row["mean_k"].as_f64(), row["samples"].as_f64()), (Some(n), Some(n / 9.0)), "{id}");
+        assert!(row["truth_db"].as_f64() <= of("fixed-16")["truth_db"].as_f64(), "{id}");
+        assert_eq!(row["grid_db"].as_f64(), (n > 1.0).then_some(200.0), "{id}");
+        assert!(row["speed"].is_f64() == timed && row["time_ms"]["gbuffer"].is_object() == timed, "{id}");
+        assert_eq!(row["printed"].as_array().unwrap().len(), 5);
+    }
+    if timed {
+        assert_eq!(of("fixed-9")["speed"], 1.0);
+    }
+    let samples =
+        ["0-1", "0-3", "0-6", "1", "focused"].map(|id| of(&format!("selective-{id}"))["samples"].as_f64().unwrap());
+    assert!(samples.is_sorted_by(|a, b| a >= b) && samples[0] > samples[4], "{samples:?}");
+    assert!(of("selective-focused")["label"].as_str().unwrap().contains("focused on "));
+    assert!(of("selective-ours")["settings"] == find(report, "selective-m2")["settings"]);
+    let fixed = row("jin-2009-figure-7", "fixed-16");
+    assert_eq!(
+        (&fixed["samples"], &fixed["time_ms"], &fixed["speed"]),
+        (&1.0.into(), &serde_json::json!({}), &Value::Null)
+    );
+    let alone = row("jin-2009-figure-7", "colour-alone-0-1");
+    assert_eq!(
+        (&alone["settings"]["selective"]["enabled"]["poid"], &alone["same_psnr"]),
+        (&false.into(), &Value::Null)
+    );
+}
+
+#[test]
+fn a_focus_is_by_number_or_name() {
+    let folder = Folder::new("focus");
+    let few = ["--scene", "cornell", "--size", "32x18", "--techniques", "full,selective"];
+    let focused = |focus: &'static str| {
+        let report = succeed(&folder, &[&few[..], &["--resume", "--focus", focus]].concat());
+        let table = tables(&report)["jin-2009-table-2"].clone();
+        let rows = table["rows"].as_array().unwrap();
+        rows.iter().find(|r| r["id"] == "selective-focused").unwrap()["label"].as_str().unwrap().to_owned()
+    };
+    let by_number = focused("1");
+    let (_, name) = by_number.split_once("focused on ").unwrap();
+    assert!(!name.contains("object"), "the mesh of object 1 has a name: {name}");
+    assert_refused(
+        &report(&folder, &[&few[..], &["--focus", "the door"]].concat()),
+        &["--focus", "'the door'", "number"],
+    );
+}
+
+#[test]
+fn reports_of_before_can_be_read() {
+    let mut old = whole().1.clone();
+    old.as_object_mut().unwrap().remove("papers");
+    let read: Report = serde_json::from_value(old).unwrap();
+    assert!(read.papers.is_none() && read.effects.is_some());
 }
 
 #[test]

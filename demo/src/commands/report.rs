@@ -6,7 +6,9 @@ use crate::report::folder::Folder;
 use crate::report::plan::{PEERS, TECHNIQUES};
 use crate::report::session::{Request, Session, stop_on_interrupt};
 use crate::report::{run, table};
+use crate::scene::{Instance, Scene};
 use deferred_aa::Settings;
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 /// See `deferred-aa-demo report --help`.
@@ -19,12 +21,16 @@ pub struct Report {
     #[arg(long, short, value_delimiter = ',', default_value = "2,3,4")]
     m: Vec<u32>,
     /// What is measured, separated by commas; everything if not given: full, single, windowed, reconstructed,
-    /// selective, fxaa, smaa. Cost curves need the first three.
+    /// selective, fxaa, smaa. Cost curves need the first three, the papers' tables full and selective.
     #[arg(long, value_delimiter = ',')]
     techniques: Vec<String>,
     /// Any field of the settings by its path, for all entries; may be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     settings: Vec<String>,
+    /// The object that the papers' focused rows are about, by its number or the name of its mesh; may be repeated. One in
+    /// the picture's middle if not given.
+    #[arg(long, value_name = "OBJECT")]
+    focus: Vec<String>,
     /// Fewer settings, frames and points of curves, and a truth of 256 samples a pixel, not 1024.
     #[arg(long)]
     quick: bool,
@@ -44,7 +50,7 @@ impl Report {
         let ms = self.m.iter().map(|&m| check_m(m)).collect::<Result<Vec<_>, _>>()?;
         let largest = ms.iter().copied().max().unwrap_or(1);
         let (width, height) = self.view.size;
-        let request = Request {
+        let mut request = Request {
             command: command(),
             width,
             height,
@@ -56,6 +62,7 @@ impl Report {
             textures: self.view.textures.tier(),
             rays: self.view.rays.tier(),
             anisotropy: self.view.anisotropy,
+            focus: Vec::new(),
             base: set::apply(Settings::default(), &self.settings)?,
             resume: self.resume,
             cache: self.cache,
@@ -66,6 +73,7 @@ impl Report {
             return Err(wrong("--m", problem.to_owned()));
         }
         let Opened { scene, gpu, camera } = self.view.open(largest)?;
+        request.focus = focus(&self.focus, &scene)?;
         let folder = Folder::open(&self.view.out, run::bytes(&request, &plan), request.resume)?;
         stop_on_interrupt();
         let parts = run::parts(&request, &plan);
@@ -94,6 +102,24 @@ fn techniques(names: &[String]) -> Result<Vec<&'static str>, CommandError> {
         found.ok_or_else(|| wrong("--techniques", format!("no technique '{name}':{meant} choose {}", known.join(", "))))
     };
     names.iter().map(find).collect()
+}
+
+/// The objects of these numbers and names, each once.
+fn focus(wanted: &[String], scene: &Scene) -> Result<Vec<u16>, CommandError> {
+    let mut objects = BTreeSet::new();
+    for name in wanted {
+        let is_meant = |i: &&Instance| name.parse() == Ok(i.object) || scene.meshes[i.mesh].name == *name;
+        let before = objects.len();
+        objects.extend(scene.instances.iter().filter(is_meant).map(|i| i.object));
+        if objects.len() == before {
+            let names: Vec<_> = scene.instances.iter().map(|i| scene.meshes[i.mesh].name.as_str()).collect();
+            let last = scene.instances.iter().map(|i| i.object).max().unwrap_or(0);
+            let meant = did_you_mean(name, &names);
+            let problem = format!("no object '{name}':{meant} give a number, at most {last}, or the name of a mesh");
+            return Err(wrong("--focus", problem));
+        }
+    }
+    Ok(objects.into_iter().collect())
 }
 
 /// As typed, or so that a shell takes it for the same.

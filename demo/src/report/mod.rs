@@ -8,6 +8,7 @@
 //! flicker   the same entries while the camera moves
 //! executions, goals, cost   the same image run in other ways; to a goal; on other sizes, lights, triangles
 //! effects   what the scene does not pay for
+//! papers    the tables of the papers, and the same rows here
 //! page      report.json, report.html
 //! ```
 //!
@@ -26,6 +27,7 @@ pub mod goals;
 mod images;
 pub mod measure;
 mod page;
+pub mod papers;
 pub mod plan;
 pub mod run;
 pub mod schema;

@@ -18,6 +18,7 @@ const JS: &str = concat!(
     include_str!("page/js/draw.js"),
     include_str!("page/js/scatter.js"),
     include_str!("page/js/charts.js"),
+    include_str!("page/js/papers.js"),
     include_str!("page/js/sections.js"),
 );
 

@@ -4,6 +4,7 @@ use super::cost::{self, Cost};
 use super::effects::{Effects, effects};
 use super::executions::{ExecutionRow, executions};
 use super::measure::{self, References};
+use super::papers::{Papers, papers};
 use super::plan::{self, Planned};
 use super::schema::{Crop, Entry, Frontier, GoalRow, Oracle, Report, ReportAdapter, TemporalBase, TruthInfo, VERSION};
 use super::session::{Request, Session};
@@ -23,6 +24,7 @@ struct Finished {
     goals: Vec<GoalRow>,
     cost: Option<Cost>,
     effects: Option<Effects>,
+    papers: Option<Papers>,
 }
 
 /// The entries of a request.
@@ -39,8 +41,14 @@ pub fn parts(request: &Request, plan: &[Planned]) -> Vec<String> {
     if wanted("windowed") && request.ms.iter().any(|&m| m > 1) {
         names.extend(["executions", "goals"].map(str::to_owned));
     }
-    if ["full", "single", "windowed"].into_iter().all(wanted) {
+    let costs = ["full", "single", "windowed"].into_iter().all(wanted);
+    if costs {
         names.push("effects".to_owned());
+    }
+    if wanted("full") && wanted("selective") {
+        names.push("papers".to_owned());
+    }
+    if costs {
         names.extend(cost::CURVES.map(|(name, _)| cost::part(name)));
     }
     names.push("page".to_owned());
@@ -118,6 +126,9 @@ fn work(session: &mut Session, plan: &[Planned], finished: &mut Finished) -> Res
     if session.wants("effects") {
         finished.effects = Some(session.part("effects", |session| effects(session))?);
     }
+    if session.wants("papers") {
+        finished.papers = session.part("papers", |session| papers(session, &references.truth))?;
+    }
     cost::cost(session, &mut finished.cost)
 }
 
@@ -142,7 +153,7 @@ fn write(session: &mut Session, plan: &[Planned], finished: Finished) -> Result<
 }
 
 fn report(session: &Session, plan: &[Planned], finished: Finished, crops: Vec<Crop>) -> Report {
-    let Finished { truth, entries, oracles, temporal, executions, goals, cost, effects } = finished;
+    let Finished { truth, entries, oracles, temporal, executions, goals, cost, effects, papers } = finished;
     let Request { ref command, width, height, stall, quick, .. } = session.request;
     let scene = &session.scene;
     let is_there = |p: &&Planned| entries.iter().any(|e| e.id == p.id);
@@ -164,6 +175,7 @@ fn report(session: &Session, plan: &[Planned], finished: Finished, crops: Vec<Cr
         executions,
         cost,
         effects,
+        papers,
         goals,
         crops,
         unfinished: plan.iter().filter(|p| !is_there(p)).map(|p| p.id.clone()).chain(session.left()).collect(),
@@ -205,6 +217,7 @@ mod tests {
             textures: TextureTier::Arrays,
             rays: RayTier::Software,
             anisotropy: 16,
+            focus: Vec::new(),
             base: Settings::default(),
             resume: true,
             cache: Some(path.join("cache")),

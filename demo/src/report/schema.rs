@@ -3,6 +3,7 @@
 use super::cost::Cost;
 use super::effects::Effects;
 use super::executions::ExecutionRow;
+use super::papers::Papers;
 use crate::oracle::{Coverage, Neyman};
 use crate::picture::Rect;
 use crate::stats::{Adapter, Stats};
@@ -53,6 +54,9 @@ pub struct Report {
     /// What the scene does not pay for.
     #[serde(default)]
     pub effects: Option<Effects>,
+    /// The tables of the papers, and the same rows here.
+    #[serde(default)]
+    pub papers: Option<Papers>,
     /// What settings given as goals settled on.
     pub goals: Vec<GoalRow>,
     /// Where the image is worst, worst first.

@@ -41,6 +41,8 @@ pub struct Request {
     pub rays: RayTier,
     /// Of texture reads, 1 to 16.
     pub anisotropy: u16,
+    /// Objects that the focused rows of the papers' tables are about; the one in the middle if there is none.
+    pub focus: Vec<u16>,
     /// What entries have in common.
     pub base: Settings,
     /// Take up what is finished.

@@ -1,6 +1,7 @@
 //! The report on a terminal.
 
 use super::effects::{Effects, Frames};
+use super::papers::{Papers, Printed, Row, Table};
 use super::schema::Report;
 use crate::quality::IDENTICAL_DB;
 
@@ -42,6 +43,9 @@ pub fn table(report: &Report) -> String {
     if let Some(effects) = &report.effects {
         text += &effects_table(effects);
     }
+    if let Some(papers) = &report.papers {
+        text += &papers_text(papers);
+    }
     let seconds: Vec<_> = report.seconds.iter().map(|(name, s)| format!("{name} {s:.0}")).collect();
     text + &format!("seconds: {}\n", seconds.join(", "))
 }
@@ -82,6 +86,99 @@ fn effects_table(effects: &Effects) -> String {
         );
     }
     text
+}
+
+fn papers_text(papers: &Papers) -> String {
+    let mut text = String::new();
+    for table in &papers.tables {
+        text += &if table.timed { timed_table(table) } else { curves_table(table) };
+    }
+    text + "the paper's: dB, samples and speed, or samples at same dB, from its least to its greatest scene; speed: frames a second \
+            over those of the row that samples are over; at same dB: samples over those of colour alone there, between its points\n"
+}
+
+fn width(table: &Table<Row>) -> usize {
+    table.rows.iter().map(|r| r.planned.label.chars().count()).chain([table.title.chars().count()]).max().unwrap_or(0)
+}
+
+/// What a table is over, as a column's name.
+fn of_row(table: &Table<Row>) -> String {
+    let over = table.rows.iter().find(|r| r.planned.id == table.over);
+    over.map_or("samples".to_owned(), |r| format!("of {}", r.planned.label))
+}
+
+/// Samples, times and speeds, and the paper's over its scenes.
+fn timed_table(table: &Table<Row>) -> String {
+    let width = width(table);
+    let mut text = format!(
+        "{:<width$}{:>10}{:>13}{:>11}{:>8}{:>8}  the paper's\n",
+        table.title,
+        "truth dB",
+        of_row(table),
+        "total ms",
+        "speed",
+        "node"
+    );
+    for row in &table.rows {
+        text += &format!(
+            "{:<width$}{:>10}{:>12}%{:>11}{:>8}{:>8}",
+            row.planned.label,
+            decibels(Some(row.truth_db)),
+            number(row.samples.map(|s| s * 100.0), 1),
+            number(row.time_ms.get("total").map(|s| s.median), 1),
+            number(row.speed, 2),
+            number(row.node_speed, 2),
+        );
+        let printed = &row.planned.printed;
+        if !printed.is_empty() {
+            let [db, samples] = [span(printed, |p| p.psnr_db, 1), span(printed, |p| Some(p.samples? * 100.0), 1)];
+            text += &format!("  {db}, {samples}%, {}", span(printed, |p| p.speed, 2));
+        }
+        text += "\n";
+    }
+    text
+}
+
+/// Curves of PSNR over samples, and the paper's.
+fn curves_table(table: &Table<Row>) -> String {
+    let width = width(table);
+    let mut text = format!(
+        "{:<width$}{:>10}{:>13}{:>12}{}\n",
+        table.title,
+        "truth dB",
+        of_row(table),
+        "at same dB",
+        if table.rows.iter().all(|r| r.planned.printed.is_empty()) { "" } else { "  the paper's" }
+    );
+    for row in &table.rows {
+        let printed = row.planned.printed.first();
+        let of = |value: fn(&Printed) -> Option<f64>| printed.and_then(value);
+        text += &format!(
+            "{:<width$}{:>10}{:>12}%{:>12}",
+            row.planned.label,
+            decibels(Some(row.truth_db)),
+            number(row.samples.map(|s| s * 100.0), 1),
+            number(row.same_psnr, 2)
+        );
+        if printed.is_some() {
+            let [db, samples] = [number(of(|p| p.psnr_db), 1), number(of(|p| Some(p.samples? * 100.0)), 1)];
+            text += &format!("  {db}, {samples}%, {}", number(of(|p| p.same_psnr), 2));
+        }
+        text += "\n";
+    }
+    text
+}
+
+/// From the least to the greatest.
+fn span(printed: &[Printed], value: impl Fn(&Printed) -> Option<f64>, digits: usize) -> String {
+    let mut all: Vec<_> = printed.iter().filter_map(value).collect();
+    all.sort_by(f64::total_cmp);
+    match (all.first(), all.last()) {
+        (Some(least), Some(most)) if number(Some(*least), digits) != number(Some(*most), digits) => {
+            format!("{least:.digits$} to {most:.digits$}")
+        }
+        (least, _) => number(least.copied(), digits),
+    }
 }
 
 fn frontier(report: &Report, id: &String) -> &'static str {

@@ -84,7 +84,8 @@ function scatterLabels(model, points, series, bounds, best, at) {
   const of = (test, text, strong) => points.filter((p) => test(p.entry))
     .map((p) => ({ x: p.px, y: p.py, text: text(p.entry), strong }));
   const beside = (point, text) => { const [x, y] = at(point); return { x, y, text }; };
-  const short = (e) => capital(e.label.replace(/^windowed,\s*|,\s*m\s*=\s*\d+$/gi, "")) + (e.m ? ` m=${e.m}` : "");
+  const bare = (e) => e.label.replace(/,\s*m\s*=\s*\d+$/, "").replace(/^windowed,\s*/i, "");
+  const short = (e) => capital(bare(e)) + (e.m ? ` m=${e.m}` : "");
   return [
     ...of((e) => e === model.pick, short, true),
     ...of((e) => e.kind === "single" || e.role === "peer", (e) => e.label),

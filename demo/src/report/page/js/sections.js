@@ -336,7 +336,8 @@ function drawSamples(host, model) {
 const DRAW = {
   time: drawTime, sentences: drawSentences, samples: drawSamples, oracle: drawOracle, table: drawTable,
   pictures: drawPictures, passes: drawPasses, stall: drawStall, multiples: drawMultiples,
-  executions: drawExecutions, effects: drawEffects, paper: drawPaper, goals: drawGoals, motion: drawMotion, measured: drawMeasured,
+  executions: drawExecutions, effects: drawEffects, paper: drawPaper,
+  papers: drawPapers, goals: drawGoals, motion: drawMotion, measured: drawMeasured,
 };
 
 /** For tests: <html data-ready> says "ok" once all is drawn, or "error: .." for good. */
