@@ -215,7 +215,7 @@ fn the_papers_tables_are_there_with_ours_beside_them() {
         let rows = tables[table]["rows"].as_array().unwrap();
         rows.iter().find(|r| r["id"] == id).unwrap_or_else(|| panic!("no row {id}")).clone()
     };
-    let of = |id| row("jin-2009-table-2", id);
+    let of = |id: &str| row("jin-2009-table-2", id);
     let timed = !find(report, "full-m2")["time_ms"].as_object().unwrap().is_empty();
     for (id, n) in [("fixed-16", 16.0), ("fixed-9", 9.0), ("fixed-4", 4.0), ("fixed-1", 1.0)] {
         let row = of(id);
@@ -256,6 +256,10 @@ fn a_focus_is_by_number_or_name() {
         rows.iter().find(|r| r["id"] == "selective-focused").unwrap()["label"].as_str().unwrap().to_owned()
     };
     let by_number = focused("1");
+    let written = |folder: &Folder| finished(folder)[&folder.out().join("parts/papers.json")];
+    let (first, again) = (written(&folder), focused("1"));
+    assert_eq!((written(&folder), &again), (first, &by_number), "measured again");
+    assert!(focused("2") != by_number && written(&folder) != first);
     let (_, name) = by_number.split_once("focused on ").unwrap();
     assert!(!name.contains("object"), "the mesh of object 1 has a name: {name}");
     assert_refused(
