@@ -42,9 +42,11 @@ function drawCurves(host, paper) {
     { name: "PSNR to truth", class: "ours", text: (r) => decibels(r.truth_db) },
     { name: `Samples of ${over}`, class: "ours", text: (r) => percent(r.samples) },
     { name: "At the same PSNR", class: "ours", text: (r) => ratioText(r.same_psnr) },
-    { name: "PSNR, printed", text: (r) => (finite(printed(r).psnr_db) ? decibels(printed(r).psnr_db) : MISSING) },
-    { name: "Samples, printed", text: (r) => percent(printed(r).samples) },
-    { name: "At the same PSNR, printed", text: (r) => ratioText(printed(r).same_psnr) },
+    ...(scene ? [
+      { name: "PSNR, printed", text: (r) => (finite(printed(r).psnr_db) ? decibels(printed(r).psnr_db) : MISSING) },
+      { name: "Samples, printed", text: (r) => percent(printed(r).samples) },
+      { name: "At the same PSNR, printed", text: (r) => ratioText(printed(r).same_psnr) },
+    ] : []),
   ], paper.rows);
   const figure = el("figure", null, plot, lineLegend(series));
   const note = `At the same PSNR: samples over those of ${series[0]?.first ?? "the first curve"} there, between its points.`;
