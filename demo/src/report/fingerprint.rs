@@ -8,10 +8,11 @@ use sha2::{Digest as _, Sha256};
 pub struct Fingerprint(Sha256);
 
 /// All shader code that has a part in an image. The library's own too: a result of other code is another result.
-const CODE: [&str; 40] = [
+const CODE: [&str; 49] = [
     crate::host::SHADING_WGSL,
     include_str!("../raster.wgsl"),
     include_str!("../../../shaders/audit.wgsl"),
+    include_str!("../../../shaders/bilateral.wgsl"),
     include_str!("../../../shaders/bounce.wgsl"),
     include_str!("../../../shaders/casting.wgsl"),
     include_str!("../../../shaders/classify.wgsl"),
@@ -19,19 +20,27 @@ const CODE: [&str; 40] = [
     include_str!("../../../shaders/evaluate.wgsl"),
     include_str!("../../../shaders/extra.wgsl"),
     include_str!("../../../shaders/first.wgsl"),
+    include_str!("../../../shaders/lattice.wgsl"),
+    include_str!("../../../shaders/lattice_colors.wgsl"),
+    include_str!("../../../shaders/lattice_rays.wgsl"),
     include_str!("../../../shaders/list.wgsl"),
     include_str!("../../../shaders/listed.wgsl"),
+    include_str!("../../../shaders/listing.wgsl"),
+    include_str!("../../../shaders/map.wgsl"),
     include_str!("../../../shaders/max_filter.wgsl"),
     include_str!("../../../shaders/mean.wgsl"),
     include_str!("../../../shaders/metrics.wgsl"),
     include_str!("../../../shaders/octahedral.wgsl"),
     include_str!("../../../shaders/pack.wgsl"),
     include_str!("../../../shaders/plan.wgsl"),
+    include_str!("../../../shaders/points.wgsl"),
     include_str!("../../../shaders/ranks.wgsl"),
     include_str!("../../../shaders/rays.wgsl"),
     include_str!("../../../shaders/rays_query.wgsl"),
     include_str!("../../../shaders/rays_software.wgsl"),
     include_str!("../../../shaders/reconstruct.wgsl"),
+    include_str!("../../../shaders/refine.wgsl"),
+    include_str!("../../../shaders/residual.wgsl"),
     include_str!("../../../shaders/resolve.wgsl"),
     include_str!("../../../shaders/sample.wgsl"),
     include_str!("../../../shaders/secondary.wgsl"),
@@ -120,6 +129,15 @@ mod tests {
         };
         assert_ne!(of(&[b"ab", b"c"]), of(&[b"a", b"bc"]));
         assert_ne!(of(&[b"abc"]), of(&[b"abc", b""]));
+    }
+
+    #[test]
+    fn every_shader_of_the_library_counts() {
+        for file in std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/../shaders")).unwrap() {
+            let path = file.unwrap().path();
+            let text = std::fs::read_to_string(&path).unwrap();
+            assert!(CODE.contains(&text.as_str()), "{} is not in CODE", path.display());
+        }
     }
 
     #[test]
