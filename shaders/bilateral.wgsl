@@ -15,7 +15,12 @@ struct DaaGeometry {
 fn daa_geometry(pixel: vec2u, rank: u32) -> DaaGeometry {
     let at = pixel * DAA_M + daa_order(rank);
     let surface = textureLoad(daa_gbuffer_surface, at, 0).xy;
-    let d = textureLoad(daa_gbuffer_depth, at, 0);
+    return daa_geometry_of(pixel, rank, textureLoad(daa_gbuffer_depth, at, 0), surface);
+}
+
+/// By what the G-buffer holds there: depth, and the code of the normal and the identity.
+fn daa_geometry_of(pixel: vec2u, rank: u32, d: f32, surface: vec2u) -> DaaGeometry {
+    let at = pixel * DAA_M + daa_order(rank);
     let valid = d > DAA_SKY_DEPTH;
     let position = daa_relative_position(vec2f(at) + 0.5, select(1.0, d, valid));
     let depth = select(0.0, dot(position, daa_frame.camera_forward), valid);

@@ -148,6 +148,11 @@ fn daa_sends_rays(pixel: vec2u, rank: u32) -> bool {
     return (daa_bouncing[material >> 5u] & (1u << (material & 31u))) != 0u;
 }
 
+/// Nothing is found where nothing is sent.
+fn daa_begin(index: u32) {
+    daa_points[index + daa_casting.step.found].y = 0u;
+}
+
 fn daa_wants(point: DaaPoint) -> bool {
     return daa_sends_rays(point.pixel, point.rank);
 }
@@ -207,7 +212,13 @@ fn daa_bounce_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocatio
             }
         }
         if traced {
-            daa_secondary[at] = daa_radiance_encode(daa_clean(vec4f(sum, 1.0)).color.rgb);
+            let code = daa_radiance_encode(daa_clean(vec4f(sum, 1.0)).color.rgb);
+            if caster.inside {
+                daa_secondary[at] = code;
+            }
+            if daa_casting.samples == DAA_SAMPLES_POINTS {
+                daa_points[caster.found].y = code;
+            }
         }
     }
     daa_group_rays[lane] = rays;

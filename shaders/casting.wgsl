@@ -1,5 +1,5 @@
 // What `trace` and `bounce` share: which samples they work on, and shadow rays. Joined with the rays' chunks, lattice.wgsl and
-// listing.wgsl; `daa_wants` is the pass's own.
+// listing.wgsl; `daa_wants` and `daa_begin` are the pass's own.
 
 @group(3) @binding(1) var<storage, read> daa_ray_geometry: array<vec4u>;
 @group(3) @binding(2) var<storage, read> daa_ray_top: array<vec4u>;
@@ -9,7 +9,7 @@
 /// `DaaTileLists` of classify.wgsl, word by word: two classes of four words, then the tiles of either.
 @group(3) @binding(7) var<storage, read> daa_tile_lists: array<u32>;
 /// Of lattice.wgsl.
-@group(3) @binding(8) var<storage, read_write> daa_points: array<u32>;
+@group(3) @binding(8) var<storage, read_write> daa_points: array<vec4u>;
 
 /// Which samples a dispatch works on: `Samples` of src/traces.rs.
 const DAA_SAMPLES_FIRST: u32 = 0u;
@@ -62,16 +62,22 @@ struct DaaCaster {
     pixel: vec2u,
     rank: u32,
     wanted: bool,
+    /// What it finds is the sample's.
+    inside: bool,
+    /// Of DAA_SAMPLES_POINTS: where in `daa_points` what it finds belongs, too.
+    found: u32,
 }
 
 fn daa_caster(ranks: DaaRanks, i: u32) -> DaaCaster {
     if daa_casting.samples == DAA_SAMPLES_POINTS {
         let at = daa_chosen_at(ranks.pixel, ranks.quadrants, i);
-        let point = daa_point(daa_casting.step.points, at);
-        return DaaCaster(point.pixel, point.rank, true);
+        let l = daa_casting.step.points;
+        let point = daa_point(l, at);
+        let found = daa_point_index(l, at) + daa_casting.step.found;
+        return DaaCaster(point.pixel, point.rank, true, point.inside, found);
     }
     let wanted = ranks.quadrants == DAA_ALL_QUADRANTS || (daa_quadrants(i) & ranks.quadrants) != 0u;
-    return DaaCaster(ranks.pixel, i, wanted);
+    return DaaCaster(ranks.pixel, i, wanted, true, 0u);
 }
 
 /// None past the edges of the image, nor past the end of the list of the tiles of this kind.

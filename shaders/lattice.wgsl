@@ -33,9 +33,12 @@ struct DaaStep {
     coarsest: u32,
     /// 1 shadows and 2 reflections and refractions are what it is about; 0: colours.
     rays: u32,
+    /// How far behind a point what its rays found lies in `daa_points`: shadow bits, and the code of shared_exponent.wgsl.
+    @size(16) found: u32,
 }
 
-/// A point's word: chosen (1 bit), chosen here or on a coarser lattice (1) | place where that was, or its parents' (3 bits from 4) |
+/// What is kept of a point: its word, and of its sample the depth, the code of the normal and the identity, which so many look at
+/// that another copy beside the word is sooner read. A word: chosen (1 bit), chosen here or on a coarser lattice (1) | place where that was, or its parents' (3 bits from 4) |
 /// why (8 bits from 8) | why its neighbourhood is refined (8 bits from 24).
 const DAA_CHOSEN: u32 = 1u;
 const DAA_HAS_OWN: u32 = 2u;
@@ -56,6 +59,13 @@ fn daa_point_word(own: u32, place: u32, by: u32) -> u32 {
 struct DaaPoint {
     pixel: vec2u,
     rank: u32,
+    /// Where the point lies; else its sample stands in for what is beyond the image.
+    inside: bool,
+}
+
+fn daa_kept_point(word: u32, point: DaaPoint) -> vec4u {
+    let at = point.pixel * DAA_M + daa_order(point.rank);
+    return vec4u(word, bitcast<u32>(textureLoad(daa_gbuffer_depth, at, 0)), textureLoad(daa_gbuffer_surface, at, 0).xy);
 }
 
 fn daa_is_shifted(l: DaaLattice, row: i32) -> bool {
@@ -72,7 +82,8 @@ fn daa_point(l: DaaLattice, at: vec2i) -> DaaPoint {
     }
     place += vec2i(daa_order(0u));
     let m = i32(DAA_M);
-    return DaaPoint(vec2u(min(place / m, vec2i(daa_frame.size) - 1)), daa_rank_at(vec2u(place % m)));
+    let pixel = vec2u(place / m);
+    return DaaPoint(min(pixel, daa_frame.size - 1u), daa_rank_at(vec2u(place % m)), all(pixel < daa_frame.size));
 }
 
 fn daa_on_lattice(l: DaaLattice, at: vec2i) -> vec2i {

@@ -1,7 +1,7 @@
 // The values of a lattice of shaded points.
 
 @group(3) @binding(0) var<uniform> daa_step: DaaStep;
-@group(3) @binding(1) var<storage, read_write> daa_points: array<u32>;
+@group(3) @binding(1) var<storage, read_write> daa_points: array<vec4u>;
 @group(3) @binding(2) var<storage, read_write> daa_lattice_colors: array<vec4f>;
 
 fn daa_value(index: u32, point: DaaPoint) -> vec4f {
@@ -9,11 +9,11 @@ fn daa_value(index: u32, point: DaaPoint) -> vec4f {
 }
 
 /// Shadows have been found before; they veto, but are not judged.
-fn daa_bits(point: DaaPoint, valid: bool) -> u32 {
+fn daa_bits(index: u32) -> u32 {
     return 0u;
 }
 
-fn daa_shadow_at(point: DaaPoint) -> u32 {
+fn daa_shadow_at(index: u32, point: DaaPoint) -> u32 {
     return daa_shadow_bits(point.pixel, point.rank);
 }
 
@@ -22,6 +22,9 @@ fn daa_put(index: u32, point: DaaPoint, value: vec4f, bits: u32) {
 }
 
 /// A point of the coarser lattice that is one of the finer too.
-fn daa_keep(index: u32, value: vec4f) {
-    daa_lattice_colors[index] = value;
+fn daa_keep(index: u32, coarser: u32) {
+    daa_lattice_colors[index] = daa_lattice_colors[coarser];
 }
+
+/// Its colour is to come.
+fn daa_leave(index: u32) {}

@@ -1,7 +1,7 @@
-// The values of a lattice of points that cast rays: where those of all samples are.
+// The values of a lattice of points that cast rays: beside the points, and for those in the image where those of all samples are.
 
 @group(3) @binding(0) var<uniform> daa_step: DaaStep;
-@group(3) @binding(1) var<storage, read_write> daa_points: array<u32>;
+@group(3) @binding(1) var<storage, read_write> daa_points: array<vec4u>;
 @group(3) @binding(2) var<storage, read_write> daa_shadows: array<u32>;
 @group(3) @binding(3) var<storage, read_write> daa_secondary: array<u32>;
 
@@ -10,30 +10,39 @@ fn daa_value(index: u32, point: DaaPoint) -> vec4f {
     if (daa_step.rays & 2u) == 0u {
         return vec4f(0.0);
     }
-    let code = daa_secondary[daa_sample_index(point.pixel, point.rank)];
+    let code = daa_points[index + daa_step.found].y;
     return vec4f(daa_radiance_decode(code), f32(code != 0u));
 }
 
-fn daa_bits(point: DaaPoint, valid: bool) -> u32 {
-    return select(0u, daa_shadow_at(point), valid);
+fn daa_bits(index: u32) -> u32 {
+    return daa_points[index + daa_step.found].x;
 }
 
-fn daa_shadow_at(point: DaaPoint) -> u32 {
-    if (daa_step.rays & 1u) == 0u {
-        return 0u;
-    }
-    return daa_shadows[daa_sample_index(point.pixel, point.rank)];
+fn daa_shadow_at(index: u32, point: DaaPoint) -> u32 {
+    return daa_bits(index);
 }
 
 fn daa_put(index: u32, point: DaaPoint, value: vec4f, bits: u32) {
+    let code = select(0u, daa_radiance_encode(value.rgb), value.a > 0.0);
+    daa_points[index + daa_step.found] = vec4u(bits, code, 0u, 0u);
+    if !point.inside {
+        return;
+    }
     let at = daa_sample_index(point.pixel, point.rank);
     if (daa_step.rays & 1u) != 0u {
         daa_shadows[at] = bits;
     }
     if (daa_step.rays & 2u) != 0u {
-        daa_secondary[at] = select(0u, daa_radiance_encode(value.rgb), value.a > 0.0);
+        daa_secondary[at] = code;
     }
 }
 
-/// Both are one sample.
-fn daa_keep(index: u32, value: vec4f) {}
+/// A point of the coarser lattice that is one of the finer too.
+fn daa_keep(index: u32, coarser: u32) {
+    daa_points[index + daa_step.found] = daa_points[coarser + daa_step.found];
+}
+
+/// Until its rays are cast.
+fn daa_leave(index: u32) {
+    daa_points[index + daa_step.found] = vec4u(0u);
+}

@@ -1,4 +1,4 @@
-// The chosen points of a lattice: a lane has those of a cell of 2 × 2. Joined with lattice.wgsl; `daa_wants` is the pass's own.
+// The chosen points of a lattice: a lane has those of a cell of 2 × 2. Joined with lattice.wgsl; `daa_wants` and `daa_begin` are the pass's own.
 
 /// A bit for each that is chosen and wanted.
 fn daa_chosen_points(step: DaaStep, cell: vec2u) -> u32 {
@@ -10,12 +10,14 @@ fn daa_chosen_points(step: DaaStep, cell: vec2u) -> u32 {
             continue;
         }
         let index = daa_point_index(l, at);
-        var word = daa_points[index];
+        var word = daa_points[index].x;
+        let point = daa_point(l, at);
         if step.coarsest != 0u {
             word = daa_point_word(DAA_CHOSEN | DAA_HAS_OWN, l.place, DAA_REFINE_COARSEST);
-            daa_points[index] = word;
+            daa_points[index] = daa_kept_point(word, point);
+            daa_begin(index);
         }
-        if (word & DAA_CHOSEN) != 0u && daa_wants(daa_point(l, at)) {
+        if (word & DAA_CHOSEN) != 0u && daa_wants(point) {
             chosen |= 1u << i;
         }
     }

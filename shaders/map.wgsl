@@ -47,7 +47,7 @@ fn daa_map_main(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocation_in
         let at = vec2i(pixel);
         let index = daa_point_index(l, at);
         textureStore(daa_first, pixel, daa_lattice_colors[index]);
-        let word = daa_points[index];
+        let word = daa_points[index].x;
         let own = (word >> 1u) & 1u;
         var k = own;
         var by = daa_decided_by((word >> 8u) & 0xffu);

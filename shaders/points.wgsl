@@ -8,6 +8,8 @@ fn daa_wants(point: DaaPoint) -> bool {
     return true;
 }
 
+fn daa_begin(index: u32) {}
+
 @compute @workgroup_size(8, 8)
 fn daa_points_main(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) lane: u32) {
     let l = daa_step.points;

@@ -13,7 +13,7 @@ fn daa_refine_judge(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let index = daa_point_index(l, vec2i(id.xy));
-    daa_points[index] = (daa_points[index] & 0xffffffu) | (daa_residual(l, vec2i(id.xy)).by << 24u);
+    daa_points[index].x = (daa_points[index].x & 0xffffffu) | (daa_residual(l, vec2i(id.xy)).by << 24u);
 }
 
 /// A coarser point.
@@ -21,17 +21,19 @@ struct DaaParent {
     geometry: DaaGeometry,
     value: vec4f,
     bits: u32,
-    word: u32,
+    kept: vec4u,
     point: DaaPoint,
+    index: u32,
 }
 
 fn daa_parent(at: vec2i) -> DaaParent {
     let place = daa_on_lattice(daa_step.parents, at);
     let index = daa_point_index(daa_step.parents, place);
     let point = daa_point(daa_step.parents, place);
-    let geometry = daa_geometry(point.pixel, point.rank);
-    let bits = select(0u, daa_shadow_at(point), geometry.depth != 0.0);
-    return DaaParent(geometry, daa_value(index, point), bits, daa_points[index], point);
+    let kept = daa_points[index];
+    let geometry = daa_geometry_of(point.pixel, point.rank, bitcast<f32>(kept.y), kept.zw);
+    let bits = select(0u, daa_shadow_at(index, point), geometry.depth != 0.0);
+    return DaaParent(geometry, daa_value(index, point), bits, kept, point, index);
 }
 
 /// What a point is by the parents so far, or why it is not.
@@ -52,14 +54,14 @@ fn daa_mixed(mix: DaaMix, of_own: DaaGeometry, parent: DaaParent, share: f32) ->
     if daa_step.rays != 0u {
         // Its own shadow is what is asked.
         own.shadow = parent.geometry.shadow;
-        by = select(by, DAA_REFINE_SHADOW, mix.met && parent.bits != mix.shadow);
+        by = select(by, DAA_REFINE_SHADOW, by == DAA_SMOOTH && mix.met && parent.bits != mix.shadow);
     }
     if daa_flag(DAA_FLAG_VETO) {
         let apart = parent.geometry.identity != own.identity || (parent.geometry.depth == 0.0) != (own.depth == 0.0);
         by = select(by, DAA_REFINE_SHADOW, by == DAA_SMOOTH && parent.geometry.shadow != own.shadow);
         by = select(by, DAA_REFINE_EDGE, by == DAA_SMOOTH && apart);
     }
-    by = select(by, parent.word >> 24u, by == DAA_SMOOTH);
+    by = select(by, parent.kept.x >> 24u, by == DAA_SMOOTH);
     var weight = share;
     if daa_flag(DAA_FLAG_WEIGHTED) {
         weight *= daa_reconstruct_weight(own, parent.geometry);
@@ -75,11 +77,12 @@ fn daa_refine_point(at: vec2i, weight: vec4f, a: DaaParent, b: DaaParent, c: Daa
     let index = daa_point_index(l, at);
     let point = daa_point(l, at);
     if weight.x > 0.999 && all(a.point.pixel == point.pixel) && a.point.rank == point.rank {
-        daa_points[index] = a.word & 0xfffeu;
-        daa_keep(index, a.value);
+        daa_points[index] = vec4u(a.kept.x & 0xfffeu, a.kept.yzw);
+        daa_keep(index, a.index);
         return;
     }
-    let own = daa_geometry(point.pixel, point.rank);
+    var kept = daa_kept_point(0u, point);
+    let own = daa_geometry_of(point.pixel, point.rank, bitcast<f32>(kept.y), kept.zw);
     var mix = daa_mixed(DaaMix(), own, a, weight.x);
     mix = daa_mixed(mix, own, b, weight.y);
     mix = daa_mixed(mix, own, c, weight.z);
@@ -87,14 +90,16 @@ fn daa_refine_point(at: vec2i, weight: vec4f, a: DaaParent, b: DaaParent, c: Daa
     let by = select(mix.by, DAA_REFINE_EDGE, mix.by == DAA_SMOOTH && mix.total < DAA_LEAST_WEIGHT);
     if daa_step.rays != 0u && own.depth == 0.0 {
         // Nothing is cast from there.
-        daa_points[index] = daa_point_word(DAA_HAS_OWN, l.place, DAA_SMOOTH);
+        kept.x = daa_point_word(DAA_HAS_OWN, l.place, DAA_SMOOTH);
         daa_put(index, point, vec4f(0.0), 0u);
     } else if by == DAA_SMOOTH {
-        daa_points[index] = daa_point_word(0u, daa_step.parents.place, by);
+        kept.x = daa_point_word(0u, daa_step.parents.place, by);
         daa_put(index, point, mix.sum / mix.total, mix.shadow);
     } else {
-        daa_points[index] = daa_point_word(DAA_CHOSEN | DAA_HAS_OWN, l.place, by);
+        kept.x = daa_point_word(DAA_CHOSEN | DAA_HAS_OWN, l.place, by);
+        daa_leave(index);
     }
+    daa_points[index] = kept;
 }
 
 /// A lane refines the cell of a coarser point, four points, on a lattice of the same kind; else one point.

@@ -26,12 +26,13 @@ fn daa_shown(c: vec3f) -> vec3f {
 fn daa_judged(l: DaaLattice, at: vec2i) -> DaaJudged {
     let place = daa_on_lattice(l, at);
     let point = daa_point(l, place);
-    let xy = point.pixel * DAA_M + daa_order(point.rank);
-    let d = textureLoad(daa_gbuffer_depth, xy, 0);
+    let index = daa_point_index(l, place);
+    let d = bitcast<f32>(daa_points[index].y);
     let valid = d > DAA_SKY_DEPTH;
+    let xy = point.pixel * DAA_M + daa_order(point.rank);
     let position = daa_relative_position(vec2f(xy) + 0.5, select(1.0, d, valid));
-    let value = daa_value(daa_point_index(l, place), point);
-    return DaaJudged(daa_shown(value.rgb), daa_bits(point, valid), position, select(0.0, length(position), valid));
+    let value = daa_value(index, point);
+    return DaaJudged(daa_shown(value.rgb), daa_bits(index), position, select(0.0, length(position), valid));
 }
 
 struct DaaResidual {

@@ -11,6 +11,9 @@ fn daa_wants(point: DaaPoint) -> bool {
     return true;
 }
 
+/// All are written.
+fn daa_begin(index: u32) {}
+
 /// Whether rays could tell the samples of a window apart: it holds two surfaces, or the first samples of the windows around it
 /// differ in shadow or identity.
 fn daa_worth_tracing(pixel: vec2u) -> bool {
@@ -55,7 +58,12 @@ fn daa_trace_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation
         } else {
             bits.x = daa_shadows[daa_sample_index(caster.pixel, 0u)];
         }
-        daa_shadows[daa_sample_index(caster.pixel, caster.rank)] = bits.x;
+        if caster.inside {
+            daa_shadows[daa_sample_index(caster.pixel, caster.rank)] = bits.x;
+        }
+        if daa_casting.samples == DAA_SAMPLES_POINTS {
+            daa_points[caster.found].x = bits.x;
+        }
         rays += bits.y;
     }
     daa_group_rays[lane] = rays;

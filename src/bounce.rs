@@ -13,9 +13,7 @@ pub(crate) fn info(samples: Samples) -> PassInfo {
         Samples::First => "bounce first",
         Samples::Audited => "bounce audited",
         Samples::Full | Samples::Planned | Samples::Geometric => "bounce",
-        Samples::Points(place) => {
-            place.named(["bounce", "bounce shifted", "bounce 1/2", "bounce 1/4", "bounce 1/8"])
-        }
+        Samples::Points(place) => place.named(["bounce", "bounce shifted", "bounce 1/2", "bounce 1/4", "bounce 1/8"]),
     };
     PassInfo { name, ..samples.info() }
 }

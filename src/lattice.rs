@@ -85,6 +85,8 @@ pub(crate) struct StepUniform {
     pub scale: [f32; 2],
     pub coarsest: u32,
     pub rays: u32,
+    pub found: u32,
+    pub padding: [u32; 3],
 }
 
 impl StepUniform {
@@ -142,12 +144,18 @@ impl Steps {
                     scale: [scale, scale * parents.map_or(1.0, |p| row(lattice) / row(p))],
                     coarsest: u32::from(parents.is_none()),
                     rays: if of == Use::Rays { rays } else { 0 },
+                    found: 0,
+                    padding: [0; 3],
                 };
                 parents = Some(lattice);
             }
             if of == Use::Shading {
                 made.points[1] = made.points[0];
             }
+        }
+        let [all, shaded] = made.points;
+        for step in &mut made.steps[Use::Rays as usize] {
+            step.found = all - shaded;
         }
         made
     }
@@ -156,9 +164,9 @@ impl Steps {
         &self.steps[of as usize][place as usize]
     }
 
-    /// Bytes of the points' words, and of their colours.
+    /// Bytes of what is kept of points, and of their colours.
     pub fn bytes(&self) -> [u64; 2] {
-        [u64::from(self.points[0]) * 4, u64::from(self.points[1]) * 16]
+        [u64::from(2 * self.points[0] - self.points[1]) * 16, u64::from(self.points[1]) * 16]
     }
 }
 
@@ -178,7 +186,7 @@ fn points(size: [u32; 2], pattern: Pattern, level: u32) -> [u32; 2] {
 /// What is kept of lattices.
 #[derive(Debug)]
 pub(crate) struct Lattices {
-    /// A word for each point: why it was chosen, or not.
+    /// Four words of each point: why it was chosen or not, and where it lies. Then four of each that casts rays: what they found.
     pub points: wgpu::Buffer,
     pub colors: wgpu::Buffer,
 }

@@ -208,7 +208,7 @@ fn casting_lights_are_the_shaders() {
     let light = rust_layout!(LightUniform { position, punctual, direction, cone, range, padding });
     let casting = rust_layout!(CastingUniform { count, samples, padding, step, lights });
     let lattice = rust_layout!(LatticeUniform { kind, level, width, height, first, place, padding });
-    let step = rust_layout!(StepUniform { points, parents, scale, coarsest, rays });
+    let step = rust_layout!(StepUniform { points, parents, scale, coarsest, rays, found, padding });
     for (name, module) in modules().into_iter().filter(|(name, _)| name.starts_with("trace")) {
         assert_eq!(wgsl_layout(&module, "DaaCastingLight"), light, "{name}");
         assert_eq!(wgsl_layout(&module, "DaaCasting"), casting, "{name}");
@@ -417,8 +417,20 @@ fn builtins_are_what_the_shaders_use() {
         TRACE,
         BOUNCE,
     ];
-    const OTHER: [&str; 12] =
-        ["align", "binding", "builtin", "for", "group", "if", "location", "return", "size", "switch", "while", "workgroup_size"];
+    const OTHER: [&str; 12] = [
+        "align",
+        "binding",
+        "builtin",
+        "for",
+        "group",
+        "if",
+        "location",
+        "return",
+        "size",
+        "switch",
+        "while",
+        "workgroup_size",
+    ];
     // Used without a bracket after them.
     const TYPES: [&str; 9] = ["array", "atomic", "binding_array", "bitcast", "bool", "f32", "i32", "sampler", "u32"];
     let mut used = std::collections::BTreeSet::new();

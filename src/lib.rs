@@ -44,9 +44,9 @@ mod first;
 mod frame;
 pub mod gbuffer;
 mod goal;
+mod lattice;
 #[cfg(test)]
 mod layouts;
-mod lattice;
 mod list;
 mod listed;
 mod map;
@@ -60,9 +60,9 @@ mod plan;
 mod points;
 pub mod rays;
 mod reconstruct;
-mod refine;
 #[cfg(feature = "reference")]
 pub mod reference;
+mod refine;
 mod requirements;
 mod resolve;
 mod scratch;
@@ -88,8 +88,8 @@ pub use node::{DeferredAa, Descriptor, Intermediates, Pass, Recording, Shading};
 pub use pipeline::{PassInfo, Resource};
 pub use requirements::{Memory, Requirements};
 pub use settings::{
-    ColorReference, DebugView, DepthMeasure, Effect, Enabled, Execution, Goal, Lattice, LuminanceCurve, MultiResolution, Pattern, Preset, Reconstructed,
-    Selective, Settings, Technique, Weight, Windowed,
+    ColorReference, DebugView, DepthMeasure, Effect, Enabled, Execution, Goal, Lattice, LuminanceCurve,
+    MultiResolution, Pattern, Preset, Reconstructed, Selective, Settings, Technique, Weight, Windowed,
 };
 pub use statistics::{PassTime, Statistics, TileCounts};
 pub use table::{

@@ -27,14 +27,7 @@ impl Map {
         let buffer = |binding| entry::buffer(binding, wgpu::ShaderStages::COMPUTE, false);
         let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("daa map"),
-            entries: &[
-                lattice::step_entry(0),
-                buffer(1),
-                buffer(2),
-                entry::store(3),
-                buffer(4),
-                buffer(5),
-            ],
+            entries: &[lattice::step_entry(0), buffer(1), buffer(2), entry::store(3), buffer(4), buffer(5)],
         });
         Self { layout, pipeline: Lazy::default() }
     }

@@ -48,8 +48,10 @@ impl Refine {
         let layout = |buffers: &[u32]| {
             let entries: Vec<_> =
                 std::iter::once(lattice::step_entry(0)).chain(buffers.iter().map(|&b| buffer(b))).collect();
-            device
-                .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("daa refine"), entries: &entries })
+            device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+                label: Some("daa refine"),
+                entries: &entries,
+            })
         };
         Self { layouts: [layout(&[1, 2]), layout(&[1, 2, 3])], colors: Default::default(), rays: Lazy::default() }
     }
@@ -110,9 +112,8 @@ impl Refine {
                 include_str!("../shaders/refine.wgsl"),
             ];
             let source = wgsl::join_reading(&pass.join("\n"), traced);
-            let pipeline = |entry| {
-                build.compute_plain("refine", source.clone(), entry, &self.layouts[of as usize], traced)
-            };
+            let pipeline =
+                |entry| build.compute_plain("refine", source.clone(), entry, &self.layouts[of as usize], traced);
             Ok(Pipelines { judge: pipeline("daa_refine_judge")?, main: pipeline("daa_refine_main")? })
         })
     }

@@ -127,7 +127,9 @@ fn techniques_and_settings() {
     );
     refused(
         &["--technique", "windwed"],
-        &["no technique 'windwed': did you mean windowed? choose full, single, windowed, reconstructed, selective or multiresolution"],
+        &[
+            "no technique 'windwed': did you mean windowed? choose full, single, windowed, reconstructed, selective or multiresolution",
+        ],
     );
     refused(&["--preset", "fsat"], &["no preset 'fsat': did you mean fast? choose fast, balanced or quality"]);
     refused(&["--textures", "none"], &["'none'", "arrays"]);

@@ -277,7 +277,11 @@ impl DeferredAa {
         let lattices = self.sized.as_ref().and_then(|s| s.lattices.as_ref()).map_or(0, |l| l.lattices.held());
         Memory {
             gbuffer: scratch::gbuffer_bytes(size, self.build().m),
-            scratch: if size == [0, 0] { 0 } else { scratch::scratch_bytes(size) + self.list_bytes(size) + marks + lattices },
+            scratch: if size == [0, 0] {
+                0
+            } else {
+                scratch::scratch_bytes(size) + self.list_bytes(size) + marks + lattices
+            },
             rays: self.ray_bytes(),
         }
     }
@@ -429,7 +433,7 @@ impl DeferredAa {
         if let (Some(tracing), Some(scene), true) = (&self.pipelines.tracing, frame.needs.rays, traced.any()) {
             let lights_bytes = LIGHTS_STRIDE * UNIFORM_SLOTS * Samples::COUNT;
             let buffers = self.rays.get_or_insert_with(|| RayBuffers::new(&self.pipelines.build.device, lights_bytes));
-            sized.make_traces(&self.pipelines, tracing, buffers, scene, self.steps.as_ref(), traced, selects)?;
+            sized.make_traces(&self.pipelines, tracing, buffers, scene, traced, selects)?;
             buffers.write_bouncing(queue, frame.needs.bounces);
             if let Some(made) = &sized.traced {
                 made.traces.clear(encoder, size, traced);

@@ -26,7 +26,9 @@ pub struct Pass {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) enum Step {
-    Classify { bounces: bool },
+    Classify {
+        bounces: bool,
+    },
     Trace(Samples),
     Bounce(Samples),
     /// To a lattice.
@@ -46,7 +48,10 @@ pub(super) enum Step {
     Reconstruct,
     Extra,
     Resolve(Source),
-    View { first: bool, planned: bool },
+    View {
+        first: bool,
+        planned: bool,
+    },
     Audit,
 }
 
@@ -74,9 +79,8 @@ pub(super) fn order(settings: &Settings, traced: Traced) -> [Option<Step>; MAX_P
     };
     let filtered = planned && settings.execution == Execution::MaxFiltered;
     let audited = windowed && matches!(settings.goal, Some(Goal::Error(_)));
-    let cast = |samples| {
-        [traced.shadows.then_some(Step::Trace(samples)), traced.secondary.then_some(Step::Bounce(samples))]
-    };
+    let cast =
+        |samples| [traced.shadows.then_some(Step::Trace(samples)), traced.secondary.then_some(Step::Bounce(samples))];
     let before = if technique == Technique::Full { Samples::Full } else { Samples::First };
     let beyond = if reconstructs { Samples::Geometric } else { Samples::Planned };
     let more = planned || reconstructs || selects;
@@ -189,7 +193,8 @@ impl Step {
 
     /// Whether it shades the frame's samples, or judges them, which bring along what was traced.
     pub fn reads_traced(self) -> bool {
-        matches!(self, Self::Metrics | Self::Select | Self::Refine(Use::Shading, _)) || (self.shades() && !matches!(self, Self::Bounce(_)))
+        matches!(self, Self::Metrics | Self::Select | Self::Refine(Use::Shading, _))
+            || (self.shades() && !matches!(self, Self::Bounce(_)))
     }
 
     pub fn info(self, traced: Traced) -> PassInfo {

@@ -61,6 +61,8 @@ pub(super) struct BoundTraces {
 #[derive(Debug)]
 pub(super) struct SizedLattices {
     pub lattices: Lattices,
+    /// `DaaStep`, a slot for each frame and step. The node's.
+    steps: wgpu::Buffer,
     pub refine: wgpu::BindGroup,
     pub refine_rays: Option<wgpu::BindGroup>,
     pub points: wgpu::BindGroup,
@@ -186,7 +188,7 @@ impl Sized {
     pub fn make_lattices(
         &mut self,
         pipelines: &Pipelines,
-        uniforms: &wgpu::Buffer,
+        slots: &wgpu::Buffer,
         steps: &Steps,
     ) -> Result<(), RecordError> {
         let bytes = steps.bytes();
@@ -210,10 +212,11 @@ impl Sized {
             made.bound = None;
         }
         self.lattices = Some(SizedLattices {
-            refine: pipelines.refine.bind(device, uniforms, &lattices),
+            steps: slots.clone(),
+            refine: pipelines.refine.bind(device, slots, &lattices),
             refine_rays: None,
-            points: pipelines.points.bind(device, uniforms, &lattices, &self.scratch),
-            map: pipelines.map.bind(device, uniforms, &lattices, &self.scratch),
+            points: pipelines.points.bind(device, slots, &lattices, &self.scratch),
+            map: pipelines.map.bind(device, slots, &lattices, &self.scratch),
             resolve: pipelines.resolve.bind(device, &self.scratch, Some(&lattices.colors)),
             lattices,
         });
@@ -228,7 +231,6 @@ impl Sized {
         tracing: &Tracing,
         buffers: &RayBuffers,
         scene: &RayScene,
-        steps: Option<&wgpu::Buffer>,
         traced: Traced,
         hits: bool,
     ) -> Result<(), RecordError> {
@@ -259,11 +261,10 @@ impl Sized {
             self.served = None;
         }
         let (scratch, traces) = (&self.scratch, &made.traces);
-        if let (Some(lattices), Some(steps)) = (&mut self.lattices, steps)
-            && (added || lattices.refine_rays.is_none())
+        if let Some(made) = &mut self.lattices
+            && (added || made.refine_rays.is_none())
         {
-            let group = pipelines.refine.bind_rays(device, steps, &lattices.lattices, traces);
-            lattices.refine_rays = Some(group);
+            made.refine_rays = Some(pipelines.refine.bind_rays(device, &made.steps, &made.lattices, traces));
         }
         if added || made.bound.as_ref().is_none_or(|bound| bound.generation != scene.generation()) {
             made.bound = Some(BoundTraces {

@@ -9,6 +9,7 @@ pub mod classify;
 pub mod list;
 pub mod max_filter;
 pub mod metrics;
+pub mod multi_resolution;
 pub mod octahedral;
 pub mod plan;
 pub mod rays;

@@ -2,7 +2,7 @@
 
 use super::octahedral;
 use crate::{Camera, Reconstructed, window};
-use glam::{DVec3, DVec4};
+use glam::{DMat4, DVec3, DVec4};
 
 /// What a frame reconstructs from.
 #[derive(Clone, Copy)]
@@ -37,12 +37,12 @@ pub struct Pixel {
 }
 
 #[derive(Debug, Clone, Copy)]
-struct Geometry {
-    position: DVec3,
-    depth: f64,
-    normal: DVec3,
-    identity: u32,
-    shadow: u32,
+pub(super) struct Geometry {
+    pub position: DVec3,
+    pub depth: f64,
+    pub normal: DVec3,
+    pub identity: u32,
+    pub shadow: u32,
 }
 
 /// How near to a threshold rounding may reach.
@@ -54,27 +54,8 @@ impl Input<'_> {
     }
 
     fn geometry(&self, order: &[(u8, u8)], x: u32, y: u32, rank: usize) -> Geometry {
-        let (sx, sy) = (x * self.m + u32::from(order[rank].0), y * self.m + u32::from(order[rank].1));
-        let [width, height] = self.size.map(|side| side * self.m);
-        let at = (sy * width + sx) as usize;
-        let valid = self.depth[at] > 1e-30;
-        let depth = if valid { f64::from(self.depth[at]) } else { 1.0 };
-        let ndc = [
-            (f64::from(sx) + 0.5) / f64::from(width) * 2.0 - 1.0,
-            1.0 - (f64::from(sy) + 0.5) / f64::from(height) * 2.0,
-        ];
-        let mut rotation = self.camera.world_from_view.as_dmat4();
-        let forward = -rotation.z_axis.truncate().normalize();
-        rotation.w_axis = DVec4::W;
-        let p = rotation * self.camera.clip_from_view.as_dmat4().inverse() * DVec4::new(ndc[0], ndc[1], depth, 1.0);
-        let position = p.truncate() / p.w;
-        Geometry {
-            position,
-            depth: if valid { position.dot(forward) } else { 0.0 },
-            normal: octahedral::decode(self.surface[at][0]),
-            identity: self.surface[at][1],
-            shadow: if valid { (self.shadow)(x, y, rank as u32) } else { 0 },
-        }
+        let at = [x, y, rank as u32];
+        geometry(&View::new(&self.camera), self.m, self.size, self.depth, self.surface, self.shadow, order, at)
     }
 
     /// One pixel of the frame, with an exposure of 1.
@@ -161,8 +142,56 @@ fn mean(colors: &[[f64; 4]]) -> [f64; 4] {
     std::array::from_fn(|c| colors.iter().map(|color| color[c]).sum::<f64>() / colors.len() as f64)
 }
 
+/// Where a camera looks.
+#[derive(Debug, Clone, Copy)]
+pub struct View {
+    relative_from_clip: DMat4,
+    forward: DVec3,
+}
+
+impl View {
+    /// Of a frame's camera.
+    pub fn new(camera: &Camera) -> Self {
+        let mut rotation = camera.world_from_view.as_dmat4();
+        let forward = -rotation.z_axis.truncate().normalize();
+        rotation.w_axis = DVec4::W;
+        Self { relative_from_clip: rotation * camera.clip_from_view.as_dmat4().inverse(), forward }
+    }
+}
+
+/// `daa_geometry` of a pixel and a rank.
+#[expect(clippy::too_many_arguments, reason = "what a frame has")]
+pub(super) fn geometry(
+    view: &View,
+    m: u32,
+    size: [u32; 2],
+    depth: &[f32],
+    surface: &[[u32; 2]],
+    shadow: &dyn Fn(u32, u32, u32) -> u32,
+    order: &[(u8, u8)],
+    [x, y, rank]: [u32; 3],
+) -> Geometry {
+    let place = order[rank as usize];
+    let (sx, sy) = (x * m + u32::from(place.0), y * m + u32::from(place.1));
+    let [width, height] = size.map(|side| side * m);
+    let at = (sy * width + sx) as usize;
+    let valid = depth[at] > 1e-30;
+    let d = if valid { f64::from(depth[at]) } else { 1.0 };
+    let ndc =
+        [(f64::from(sx) + 0.5) / f64::from(width) * 2.0 - 1.0, 1.0 - (f64::from(sy) + 0.5) / f64::from(height) * 2.0];
+    let p = view.relative_from_clip * DVec4::new(ndc[0], ndc[1], d, 1.0);
+    let position = p.truncate() / p.w;
+    Geometry {
+        position,
+        depth: if valid { position.dot(view.forward) } else { 0.0 },
+        normal: octahedral::decode(surface[at][0]),
+        identity: surface[at][1],
+        shadow: if valid { shadow(x, y, rank) } else { 0 },
+    }
+}
+
 /// `daa_reconstruct_weight`.
-fn weight(settings: &Reconstructed, i: &Geometry, j: &Geometry) -> f64 {
+pub(super) fn weight(settings: &Reconstructed, i: &Geometry, j: &Geometry) -> f64 {
     if i.depth == 0.0 || j.depth == 0.0 {
         return f64::from(u8::from(i.depth == j.depth));
     }

@@ -7,6 +7,7 @@ mod bounces_twin;
 mod example;
 mod goals;
 mod harness;
+mod multi_resolution;
 mod needs;
 mod numerics;
 mod rays;

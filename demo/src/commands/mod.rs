@@ -323,8 +323,11 @@ fn parse_technique(text: &str) -> Result<Technique, String> {
         "selective" => Ok(Technique::Selective),
         "multiresolution" => Ok(Technique::MultiResolution),
         _ => {
-            let meant = did_you_mean(text, &["full", "single", "windowed", "reconstructed", "selective", "multiresolution"]);
-            Err(format!("no technique '{text}':{meant} choose full, single, windowed, reconstructed, selective or multiresolution"))
+            let meant =
+                did_you_mean(text, &["full", "single", "windowed", "reconstructed", "selective", "multiresolution"]);
+            Err(format!(
+                "no technique '{text}':{meant} choose full, single, windowed, reconstructed, selective or multiresolution"
+            ))
         }
     }
 }
