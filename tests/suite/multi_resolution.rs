@@ -427,17 +427,15 @@ fn levels_are_shown_as_the_points_have_them() {
 
 #[test]
 fn what_does_not_fit_is_named() {
-    let fields: [(&str, fn(&mut MultiResolution, f32)); 3] = [
-        ("multi_resolution.color_threshold", |s, v| s.color_threshold = v),
-        ("multi_resolution.position_threshold", |s, v| s.position_threshold = v),
-        ("multi_resolution.footprint", |s, v| s.footprint = v),
-    ];
-    for (field, set) in fields {
-        for value in [f32::NAN, -1e-6, 4.000_1, f32::INFINITY] {
-            let mut s = MultiResolution::default();
-            set(&mut s, value);
+    let ours = MultiResolution::default();
+    for value in [f32::NAN, -1e-6, 4.000_1, f32::INFINITY] {
+        for (field, s) in [
+            ("color_threshold", MultiResolution { color_threshold: value, ..ours }),
+            ("position_threshold", MultiResolution { position_threshold: value, ..ours }),
+            ("footprint", MultiResolution { footprint: value, ..ours }),
+        ] {
             let e = multi(s).validate().expect_err(field);
-            assert_eq!((e.field, e.value.to_bits()), (field, value.to_bits()));
+            assert_eq!((e.field, e.value.to_bits()), (&*format!("multi_resolution.{field}"), value.to_bits()));
         }
     }
     let coarse = |coarsest| Lattice { coarsest, ..Default::default() };
