@@ -190,7 +190,12 @@ pub fn times(shots: &[Shot]) -> BTreeMap<String, Spread> {
             shot.statistics.passes.iter().map(|p| p.milliseconds.map(|ms| (p.name, ms))).collect();
         let (Some(passes), Some(gbuffer)) = (passes, shot.gbuffer_ms) else { continue };
         let node: f64 = passes.iter().map(|(_, ms)| ms).sum();
+        // Some passes run more than once in a frame.
+        let mut frame = BTreeMap::new();
         for (name, ms) in passes.into_iter().chain([("gbuffer", gbuffer), ("node", node), ("total", node + gbuffer)]) {
+            *frame.entry(name).or_default() += ms;
+        }
+        for (name, ms) in frame {
             all.entry(name).or_default().push(ms);
         }
     }

@@ -442,6 +442,26 @@ fn thresholds_are_searched_too() {
 }
 
 #[test]
+fn lattices_are_searched_too() {
+    let folder = Folder::new("tune lattices");
+    let arguments =
+        ["--technique", "multiresolution", "--scene", "cornell", "--rounds", "1", "--target-db", "20,24,28"];
+    let output = tune(&folder, &arguments);
+    let stdout = text(&output.stdout);
+    assert!(output.status.success() && output.stderr.is_empty(), "{}", text(&output.stderr));
+    assert!(
+        stdout.contains("// balanced\nMultiResolution {\n    shading: Lattice {\n        pattern: Pattern::"),
+        "{stdout}"
+    );
+    let record: Value = serde_json::from_slice(&std::fs::read(folder.0.join("out/tune.json")).unwrap()).unwrap();
+    assert_eq!(record["technique"], "multiresolution");
+    for preset in record["presets"].as_array().unwrap() {
+        let floor = preset["task"]["floor_db"].as_f64().unwrap();
+        assert!(preset["scenes"][0]["figures"]["psnr_db"].as_f64().unwrap() >= floor, "{preset:#}");
+    }
+}
+
+#[test]
 fn searches_that_cannot_be() {
     let folder = Folder::new("no tune");
     let taken = folder.file("taken", b"mine");
@@ -453,7 +473,7 @@ fn searches_that_cannot_be() {
         (&["--m", "1"], &["--m", "1 is not in 2 to 8"]),
         (&["--m", "9"], &["--m", "9 is not in 2 to 8"]),
         (&["--size", "5"], &["--size", "WIDTHxHEIGHT"]),
-        (&["--technique", "full"], &["'full'", "choose windowed or selective"]),
+        (&["--technique", "full"], &["'full'", "choose windowed, selective, multiresolution"]),
         (&["--rounds", "many"], &["'many'", "--rounds"]),
         (&["--scene", "cornell", "--out", &taken], &["taken", "--out"]),
     ] {

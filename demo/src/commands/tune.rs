@@ -8,7 +8,7 @@ use crate::stats::Spread;
 use crate::tune::subject::{Figures, Subject, SubjectError, full};
 use crate::tune::tunable::Tunable;
 use crate::tune::{Point, Task, Tuner};
-use deferred_aa::{Selective, Windowed};
+use deferred_aa::{MultiResolution, Selective, Windowed};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 /// See `deferred-aa-demo tune --help`.
 #[derive(Debug, clap::Args)]
 pub struct Tune {
-    /// Whose settings are searched: windowed or selective.
+    /// Whose settings are searched: windowed, selective or multiresolution.
     #[arg(long, default_value = "windowed", value_parser = parse_tunable)]
     technique: &'static str,
     /// A built-in scene or a .gltf or .glb file, with its camera after an @ if not its own: FILE@x,y,z,tx,ty,tz,fov. May be
@@ -63,12 +63,12 @@ fn parse_targets(text: &str) -> Result<Targets, String> {
 }
 
 fn parse_tunable(text: &str) -> Result<&'static str, String> {
-    let known = [Windowed::TECHNIQUE, Selective::TECHNIQUE];
+    let known = [Windowed::TECHNIQUE, Selective::TECHNIQUE, MultiResolution::TECHNIQUE];
     let meant = did_you_mean(text, &known);
     known
         .into_iter()
         .find(|k| *k == text)
-        .ok_or_else(|| format!("nothing to tune for '{text}':{meant} choose {}", known.join(" or ")))
+        .ok_or_else(|| format!("nothing to tune for '{text}':{meant} choose {}", known.join(", ")))
 }
 
 /// tune.json.
@@ -143,7 +143,11 @@ impl From<SubjectError> for CommandError {
 
 impl Tune {
     pub fn run(self) -> Result<(), CommandError> {
-        if self.technique == Selective::TECHNIQUE { self.tune::<Selective>() } else { self.tune::<Windowed>() }
+        match self.technique {
+            Selective::TECHNIQUE => self.tune::<Selective>(),
+            MultiResolution::TECHNIQUE => self.tune::<MultiResolution>(),
+            _ => self.tune::<Windowed>(),
+        }
     }
 
     fn tune<T: Tunable>(self) -> Result<(), CommandError> {

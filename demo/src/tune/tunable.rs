@@ -1,7 +1,10 @@
 //! What of a technique's settings is searched.
 
 use super::search::{Axis, two_digits};
-use deferred_aa::{ColorReference, DepthMeasure, Enabled, LuminanceCurve, Selective, Settings, Technique, Windowed};
+use deferred_aa::{
+    ColorReference, DepthMeasure, Enabled, Lattice, LuminanceCurve, MultiResolution, Pattern, Selective, Settings,
+    Technique, Windowed,
+};
 use serde::Serialize;
 use std::fmt::Debug;
 
@@ -212,6 +215,71 @@ impl Tunable for Selective {
     }
 }
 
+impl Tunable for MultiResolution {
+    const TECHNIQUE: &'static str = "multiresolution";
+    const AXES: &'static [Axis] = &[
+        Axis { name: "position_threshold", least: 0.001, most: 1.0 },
+        // Textures shimmer below a half, which no error of a single frame shows.
+        Axis { name: "footprint", least: 0.5, most: 1.2 },
+    ];
+    const DIAL: [f64; 2] = [0.0005, 1.0];
+    const TOWARDS_MORE: f64 = -1.0;
+    const START: Self = Self {
+        shading: Lattice { pattern: Pattern::Quad, coarsest: 2 },
+        rays: Lattice { pattern: Pattern::Quad, coarsest: 2 },
+        supersampled: true,
+        color_threshold: 0.01,
+        position_threshold: 0.02,
+        curve: LuminanceCurve::Perceptual,
+        veto: true,
+        weighted: true,
+        footprint: 0.5,
+    };
+
+    fn settings(self) -> Settings {
+        Settings { technique: Technique::MultiResolution, multi_resolution: self, ..Default::default() }
+    }
+
+    fn values(&self) -> Vec<f32> {
+        vec![self.position_threshold, self.footprint]
+    }
+
+    fn with_values(self, values: &[f64]) -> Self {
+        let &[position_threshold, footprint] = values else { return self };
+        Self { position_threshold: position_threshold as f32, footprint: footprint as f32, ..self }
+    }
+
+    fn dial(&self) -> f32 {
+        self.color_threshold
+    }
+
+    fn with_dial(self, color_threshold: f32) -> Self {
+        Self { color_threshold, ..self }
+    }
+
+    fn starts(self) -> Vec<Self> {
+        vec![self]
+    }
+
+    fn variants(self) -> Vec<Self> {
+        let patterns = [Pattern::Quad, Pattern::Triangular, Pattern::Equilateral].map(|pattern| {
+            let of = |lattice| Lattice { pattern, ..lattice };
+            Self { shading: of(self.shading), rays: of(self.rays), ..self }
+        });
+        let coarsest = (0..=3).flat_map(|coarsest| {
+            let of = |lattice| Lattice { coarsest, ..lattice };
+            [Self { shading: of(self.shading), ..self }, Self { rays: of(self.rays), ..self }]
+        });
+        let others = [Self { veto: !self.veto, ..self }, Self { weighted: !self.weighted, ..self }];
+        coarsest.chain(patterns).chain(others).filter(|v| *v != self).collect()
+    }
+
+    fn source(&self) -> String {
+        let fields = format!("{self:#?}").replace(": Perceptual", ": LuminanceCurve::Perceptual");
+        fields.replace("pattern: ", "pattern: Pattern::")
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -238,6 +306,8 @@ mod tests {
         go_there_and_back(Windowed::START);
         go_there_and_back(Selective::default());
         go_there_and_back(Selective::START);
+        go_there_and_back(MultiResolution::default());
+        go_there_and_back(MultiResolution::START);
     }
 
     fn differ_by_one_choice<T: Tunable>(settings: T, count: usize) {
@@ -253,6 +323,7 @@ mod tests {
     fn every_variant_is_sound_and_another() {
         differ_by_one_choice(Windowed::default(), 4);
         differ_by_one_choice(Selective::default(), 4);
+        differ_by_one_choice(MultiResolution::default(), 10);
     }
 
     #[test]
@@ -273,6 +344,13 @@ mod tests {
             "    reference: ColorReference::Color,\n    curve: LuminanceCurve::Perceptual,\n",
         ] {
             assert!(selective.contains(line), "{line} is not in {selective}");
+        }
+        let lattices = MultiResolution::PAPER.source();
+        for line in [
+            "MultiResolution {\n    shading: Lattice {\n        pattern: Pattern::Triangular,\n        coarsest: 2,\n    },\n",
+            "    curve: LuminanceCurve::Perceptual,\n",
+        ] {
+            assert!(lattices.contains(line), "{line} is not in {lattices}");
         }
     }
 }
