@@ -8,8 +8,8 @@ use crate::scene::{Camera, Material, Scene};
 use crate::upload::{GpuScene, UploadError};
 use deferred_aa::rays::{RayError, RayTier};
 use deferred_aa::{
-    BuildError, CastingLight, DeferredAa, Descriptor, Effect, Frame, GBuffer, Needs, ObjectImportance, RecordError,
-    Settings, Shading, SizeError, Statistics, Technique, TextureTier,
+    BuildError, CastingLight, DebugView, DeferredAa, Descriptor, Effect, Frame, GBuffer, Needs, ObjectImportance,
+    RecordError, Settings, Shading, SizeError, Statistics, Technique, TextureTier,
 };
 
 /// Of the target: linear HDR, as most engines have it.
@@ -415,6 +415,16 @@ impl Host {
                 pixels.map(|(x, y)| plan[passed.plan_index(x, y)] & 0xff).collect()
             }
         }
+    }
+
+    /// [`counts`](Self::counts) of the last frame, which had these settings; its picture is gone then.
+    pub fn sample_map(&mut self, camera: deferred_aa::Camera, settings: Settings) -> Result<Vec<u32>, HostError> {
+        let lattices = settings.technique == Technique::MultiResolution && !settings.multi_resolution.supersampled;
+        if lattices && settings.view == DebugView::Image {
+            // Only a view writes down what was shaded.
+            self.frame_with(camera, Settings { view: DebugView::Levels, ..settings })?;
+        }
+        Ok(self.counts(settings.technique))
     }
 
     fn complaints(&self) -> Result<(), HostError> {

@@ -4,6 +4,7 @@ use super::{CommandError, ViewArgs, parse_preset, parse_technique, say, set};
 use crate::goal;
 use crate::picture;
 use crate::quality;
+use crate::raster::node_camera;
 use crate::stats::Stats;
 use deferred_aa::{DebugView, Goal, Preset, Settings, Technique};
 use std::path::Path;
@@ -60,8 +61,8 @@ impl Render {
             }
         }
         let image = host.picture();
-        let counts = host.counts(settings.technique);
         let (width, height) = (host.options.width, host.options.height);
+        let counts = host.sample_map(node_camera(&camera, width, height), settings)?;
         let n = host.options.m * host.options.m;
 
         let quality = if self.no_reference || settings.view != DebugView::Image {

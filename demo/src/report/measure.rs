@@ -55,9 +55,8 @@ pub fn measure(
         session.tick()?;
         shooter.shoot(planned, session.camera())?;
         let image = shooter.picture(planned);
-        let technique = planned.settings.technique;
-        let adaptive = !matches!(technique, Technique::Full | Technique::Single);
-        let counts = adaptive.then(|| shooter.host.counts(technique));
+        let adaptive = !matches!(planned.settings.technique, Technique::Full | Technique::Single);
+        let counts = adaptive.then(|| shooter.host.sample_map(session.camera(), planned.settings)).transpose()?;
         let files = write_files(session, planned, &image, counts.as_deref(), &references.truth)?;
         let quality = compare(&image, grid.as_ref().map(|g| (g, mask.as_slice())), references)?;
         shown.push((files, quality));

@@ -4,6 +4,7 @@
 //! one run, those with times in turn.
 
 mod jin;
+mod thesis;
 
 use super::folder::Kind;
 use super::session::Session;
@@ -39,6 +40,10 @@ pub struct Table<R> {
     pub over: String,
     /// Its rows have times.
     pub timed: bool,
+    /// No row has more than a sample a pixel: they are held against the one that the table is over, which comes first, and their times
+    /// are apart by what they are for.
+    #[serde(default)]
+    pub sparse: bool,
     /// In the paper's order.
     pub rows: Vec<R>,
 }
@@ -91,8 +96,14 @@ pub struct Row {
     pub truth_db: f64,
     /// PSNR against all samples of the same grid; none at m = 1.
     pub grid_db: Option<f64>,
+    /// PSNR against the row that the table is over; none where the table is not sparse.
+    #[serde(default)]
+    pub over_db: Option<f64>,
     /// By pass, `gbuffer`, `node` and `total` included; empty where the table has no times.
     pub time_ms: BTreeMap<String, Spread>,
+    /// Of the node's passes by what they are for: [`PARTS`]; empty where the table is not sparse.
+    #[serde(default)]
+    pub parts_ms: BTreeMap<String, Spread>,
     /// Median over the rounds of the total of the row that the table is over, in the same round, over this row's.
     pub speed: Option<f64>,
     /// The same of the node's passes alone, without the G-buffer.
@@ -101,9 +112,36 @@ pub struct Row {
     pub same_psnr: Option<f64>,
 }
 
-/// The tables of all papers. `focus` says in words what the focused rows are focused on; without it there are none.
-fn tables(base: Settings, focus: Option<&str>) -> Vec<Table<Planned>> {
-    vec![jin::table_2(base, focus), jin::figure_7(base), jin::our_figure_7(base)]
+/// What a frame's passes are for: to cast rays, to decide what is sampled, to shade, and the rest.
+pub const PARTS: [&str; 4] = ["rays", "decisions", "shading", "rest"];
+
+/// The part of [`PARTS`] of a pass, by its name.
+fn part(pass: &str) -> &'static str {
+    match pass.split(' ').next() {
+        Some("trace" | "bounce" | "classify") => "rays",
+        Some("refine") => "decisions",
+        Some("points" | "first" | "shade") => "shading",
+        _ => "rest",
+    }
+}
+
+/// Whether a report of these techniques has tables of papers.
+pub fn any(techniques: &[&str]) -> bool {
+    !tables(Settings::default(), None, techniques).is_empty()
+}
+
+/// The tables of the papers whose techniques are asked for. `focus` says in words what the focused rows are focused on; without it there
+/// are none.
+fn tables(base: Settings, focus: Option<&str>, techniques: &[&str]) -> Vec<Table<Planned>> {
+    let wanted = |names: [&str; 2]| names.iter().all(|name| techniques.contains(name));
+    let mut all = Vec::new();
+    if wanted(["full", "selective"]) {
+        all.extend([jin::table_2(base, focus), jin::figure_7(base), jin::our_figure_7(base)]);
+    }
+    if wanted(["single", "multiresolution"]) {
+        all.push(thesis::table_5_1(base));
+    }
+    all
 }
 
 /// A row of [`Technique::Full`].
@@ -117,22 +155,32 @@ fn fixed(base: Settings, m: u32, printed: Vec<Printed>) -> Planned {
 pub fn papers(session: &Session, truth: &Picture) -> Result<Option<Papers>, ReportError> {
     let request = &session.request;
     let base = Settings { goal: None, ..request.base };
-    let planned = tables(base, Some(""));
+    let size = (request.width, request.height);
+    let tables = |focus: Option<&str>| {
+        let mut all = tables(base, focus, &request.techniques);
+        for row in all.iter_mut().flat_map(|t| &mut t.rows) {
+            row.settings = plan::fitting(row.settings, size);
+        }
+        all
+    };
+    let planned = tables(Some(""));
     let depends = (&planned, &request.focus, request.frames, request.stall, request.quick);
     let fingerprint = session.fingerprint.with(&("papers", depends)).hex();
     if let Some(papers) = session.folder.finished(Kind::Part, "papers", &fingerprint) {
         return Ok(Some(papers));
     }
     let ms: BTreeSet<_> = planned.iter().flat_map(|t| &t.rows).map(|r| r.m).collect();
-    if !ms.iter().all(|&m| fits(session, m, (request.width, request.height))) {
+    if !ms.iter().all(|&m| fits(session, m, size)) {
         session.note("the papers' tables are left out: their G-buffers do not fit; choose a smaller --size");
         return Ok(None);
     }
-    let focus = if request.focus.is_empty() { in_the_middle(session)? } else { request.focus.clone() };
+    let focuses = planned.iter().flat_map(|t| &t.rows).any(|r| r.settings.selective.focused);
+    let focus = if focuses && request.focus.is_empty() { in_the_middle(session)? } else { request.focus.clone() };
     let mut stage = Stage { session, truth, focus: &focus, hosts: BTreeMap::new() };
     let mut measured = Vec::new();
-    for table in tables(base, in_words(&session.scene, &focus).as_deref()) {
-        measured.push(table.map(|planned| stage.first(planned))?);
+    for table in tables(in_words(&session.scene, &focus).as_deref()) {
+        let mut over = table.sparse.then_some(None);
+        measured.push(table.map(|planned| stage.first(planned, &mut over))?);
     }
     for _ in 0..request.frames {
         for row in measured.iter_mut().filter(|t| t.timed).flat_map(|t| &mut t.rows) {
@@ -151,6 +199,7 @@ struct Measured {
     mean_k: f64,
     truth_db: f64,
     grid_db: Option<f64>,
+    over_db: Option<f64>,
     shots: Vec<Shot>,
 }
 
@@ -177,22 +226,26 @@ impl Stage<'_> {
         }
     }
 
-    /// The frame that warms a row up, which is its picture too.
-    fn first(&mut self, planned: Planned) -> Result<Measured, ReportError> {
+    /// The frame that warms a row up, which is its picture too. The first one of a sparse table is kept in `over`.
+    fn first(&mut self, planned: Planned, over: &mut Option<Option<Picture>>) -> Result<Measured, ReportError> {
         let (session, truth) = (self.session, self.truth);
         let (grid, host) = self.host(planned.m)?;
         let shot = session.frame(host, planned.settings)?;
         let picture = host.picture();
         let grid_db = (planned.m > 1).then(|| quality::psnr(&picture, grid)).transpose()?;
         let truth_db = quality::psnr(&picture, truth)?;
-        Ok(Measured { planned, mean_k: shot.statistics.mean_k, truth_db, grid_db, shots: Vec::new() })
+        let over_db = match over {
+            Some(over) => Some(quality::psnr(&picture, over.get_or_insert_with(|| picture.clone()))?),
+            None => None,
+        };
+        Ok(Measured { planned, mean_k: shot.statistics.mean_k, truth_db, grid_db, over_db, shots: Vec::new() })
     }
 }
 
 impl<R> Table<R> {
     fn map<S>(self, row: impl FnMut(R) -> Result<S, ReportError>) -> Result<Table<S>, ReportError> {
-        let Self { id, title, note, over, timed, rows } = self;
-        Ok(Table { id, title, note, over, timed, rows: rows.into_iter().map(row).collect::<Result<_, _>>()? })
+        let Self { id, title, note, over, timed, sparse, rows } = self;
+        Ok(Table { id, title, note, over, timed, sparse, rows: rows.into_iter().map(row).collect::<Result<_, _>>()? })
     }
 }
 
@@ -211,15 +264,32 @@ fn finish(table: Table<Measured>) -> Table<Row> {
             samples: over.map(|o| row.mean_k / o.mean_k),
             truth_db: row.truth_db,
             grid_db: row.grid_db,
+            over_db: row.over_db,
             time_ms: times(&row.shots),
+            parts_ms: if table.sparse { parts(&row.shots) } else { BTreeMap::new() },
             speed: speed("total"),
             node_speed: speed("node"),
             same_psnr: same_psnr(&curve, row.planned.series.as_deref(), row.truth_db, row.mean_k),
         }
     });
     let rows = rows.collect();
-    let Table { id, title, note, over, timed, .. } = table;
-    Table { id, title, note, over, timed, rows }
+    let Table { id, title, note, over, timed, sparse, .. } = table;
+    Table { id, title, note, over, timed, sparse, rows }
+}
+
+/// The node's passes by what they are for, each of [`PARTS`]. Empty without timestamps.
+fn parts(shots: &[Shot]) -> BTreeMap<String, Spread> {
+    let frame = |shot: &Shot| {
+        let mut sums = PARTS.map(|name| (name, 0.0));
+        for pass in &shot.statistics.passes {
+            let sum = sums.iter_mut().find(|(name, _)| *name == part(pass.name))?;
+            sum.1 += pass.milliseconds?;
+        }
+        Some(sums)
+    };
+    let frames: Vec<_> = shots.iter().filter_map(frame).collect();
+    let spread = |i: usize| Spread::of(frames.iter().map(|sums| sums[i].1).collect());
+    PARTS.iter().enumerate().filter_map(|(i, name)| Some(((*name).to_owned(), spread(i)?))).collect()
 }
 
 /// Milliseconds of a frame.
@@ -287,11 +357,12 @@ mod tests {
 
     #[test]
     fn every_row_is_sound_and_its_table_has_what_it_is_over() {
-        let tables = tables(Settings::default(), Some("the door"));
+        let tables = tables(Settings::default(), Some("the door"), &plan::TECHNIQUES);
         for table in &tables {
             let ids: BTreeSet<_> = table.rows.iter().map(|r| &r.id).collect();
             assert_eq!(ids.len(), table.rows.len(), "{ids:?}");
             assert!(ids.contains(&table.over), "{ids:?}");
+            assert!(!table.sparse || table.rows[0].id == table.over, "{ids:?}");
             table.rows.iter().for_each(|r| r.settings.validate().unwrap());
         }
         let ids: BTreeSet<_> = tables.iter().map(|t| &t.id).collect();
@@ -301,10 +372,32 @@ mod tests {
     #[test]
     fn without_a_focus_no_row_is_focused() {
         let focused = |focus| {
-            let tables = tables(Settings::default(), focus);
+            let tables = tables(Settings::default(), focus, &plan::TECHNIQUES);
             tables.iter().flat_map(|t| &t.rows).filter(|r| r.settings.selective.focused).count()
         };
         assert_eq!((focused(Some("the door")), focused(None)), (1, 0));
+    }
+
+    #[test]
+    fn papers_come_with_their_techniques() {
+        assert!(any(&["full", "selective"]) && any(&["single", "multiresolution"]));
+        assert!(!any(&["single", "selective"]) && !any(&["full", "multiresolution"]));
+    }
+
+    #[test]
+    fn passes_are_apart_by_what_they_are_for() {
+        for (pass, expected) in [
+            ("classify", "rays"),
+            ("trace 1/4", "rays"),
+            ("bounce shifted", "rays"),
+            ("refine rays 1/2", "decisions"),
+            ("refine", "decisions"),
+            ("points 1/8", "shading"),
+            ("first", "shading"),
+            ("resolve", "rest"),
+        ] {
+            assert_eq!(part(pass), expected, "{pass}");
+        }
     }
 
     #[test]

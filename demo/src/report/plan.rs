@@ -2,7 +2,7 @@
 
 use super::schema::Role;
 use crate::peers::Peer;
-use deferred_aa::{Preset, Reconstructed, Selective, Settings, Technique, Weight, Windowed};
+use deferred_aa::{MultiResolution, Preset, Reconstructed, Selective, Settings, Technique, Weight, Windowed};
 
 /// One entry to measure.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,7 +24,7 @@ pub struct Planned {
 }
 
 /// What `--techniques` takes, in the order of the report.
-pub const TECHNIQUES: [&str; 5] = ["full", "single", "windowed", "reconstructed", "selective"];
+pub const TECHNIQUES: [&str; 6] = ["full", "single", "windowed", "reconstructed", "selective", "multiresolution"];
 
 /// Peers, of which `--techniques` takes the names too, and how people call them.
 pub const PEERS: [(Peer, &str); 2] = [(Peer::Fxaa, "FXAA"), (Peer::Smaa, "SMAA 1x")];
@@ -62,6 +62,10 @@ const THRESHOLDS: Thresholds =
 const FEW_THRESHOLDS: Thresholds = Thresholds { own: &[(0.3, "0-3")], paper: &[] };
 const QUICK_THRESHOLDS: Thresholds = Thresholds { own: &[(0.3, "0-3")], paper: &[(0.1, "0-1")] };
 const NO_THRESHOLDS: Thresholds = Thresholds { own: &[], paper: &[] };
+
+/// color_threshold of MultiResolution beside the settings as given, for the greatest m, and how many of them with --quick.
+const COLOR_THRESHOLDS: [Scale; 3] = [(0.02, "0-02"), (0.005, "0-005"), (0.05, "0-05")];
+const QUICK_COLOR_THRESHOLDS: usize = 1;
 
 /// All entries: by m, the greatest first, m = 1 last. `ms` holds no m twice.
 ///
@@ -126,6 +130,17 @@ pub fn plan(ms: &[u32], techniques: &[&str], base: Settings, quick: bool) -> Vec
                 all.push(Planned { id, label, role: Role::Technique, preset, m, settings, peer: None });
             }
         }
+        if wanted("multiresolution") {
+            let thresholds = match (quick, place) {
+                (false, 0) => &COLOR_THRESHOLDS[..],
+                (true, 0) => &COLOR_THRESHOLDS[..QUICK_COLOR_THRESHOLDS],
+                _ => &[],
+            };
+            for (id, label, preset, multi_resolution) in lattices(m, base.multi_resolution, thresholds, place == 0) {
+                let settings = Settings { technique: Technique::MultiResolution, multi_resolution, ..base };
+                all.push(Planned { id, label, role: Role::Technique, preset, m, settings, peer: None });
+            }
+        }
     }
     let plain = Settings { technique: Technique::Single, ..base };
     let at_one = |id: &str, label: &str, role, peer| {
@@ -141,12 +156,11 @@ pub fn plan(ms: &[u32], techniques: &[&str], base: Settings, quick: bool) -> Vec
     all
 }
 
-/// Id, label, preset and settings of each entry of Selective at one m.
-fn selective(
-    m: u32,
-    base: Selective,
-    thresholds: Thresholds,
-) -> Vec<(String, String, Option<&'static str>, Selective)> {
+/// Id, label, preset and settings.
+type Own<T> = (String, String, Option<&'static str>, T);
+
+/// Each entry of Selective at one m.
+fn selective(m: u32, base: Selective, thresholds: Thresholds) -> Vec<Own<Selective>> {
     let mut all = vec![(format!("selective-m{m}"), format!("Selective, m = {m}"), None, base)];
     for &(tau_col, name) in thresholds.own {
         let label = format!("Selective, τcol {tau_col}, m = {m}");
@@ -158,6 +172,32 @@ fn selective(
         all.push((format!("{id}-{name}"), format!("{label}, τa {tau}, m = {m}"), None, paper_selective(tau)));
     }
     all
+}
+
+/// Each entry of MultiResolution at one m. `sparse`: also those of one sample a pixel at most.
+fn lattices(m: u32, base: MultiResolution, thresholds: &[Scale], sparse: bool) -> Vec<Own<MultiResolution>> {
+    let (id, name) = (format!("multiresolution-m{m}"), "MultiResolution");
+    let mut all = vec![(id.clone(), format!("{name}, m = {m}"), None, base)];
+    for &(color_threshold, threshold) in thresholds {
+        let label = format!("{name}, threshold {color_threshold}, m = {m}");
+        all.push((format!("{id}-{threshold}"), label, None, MultiResolution { color_threshold, ..base }));
+    }
+    if sparse {
+        let below = MultiResolution { supersampled: false, ..base };
+        all.push((format!("{id}-sparse"), format!("{name}, sparse, m = {m}"), None, below));
+        let label = format!("{name}, as in the paper, m = {m}");
+        all.push((format!("{id}-paper"), label, Some("paper"), MultiResolution::PAPER));
+    }
+    all
+}
+
+/// These with no lattice that is coarser than a picture of this size.
+pub fn fitting(settings: Settings, (width, height): (u32, u32)) -> Settings {
+    let MultiResolution { mut shading, mut rays, .. } = settings.multi_resolution;
+    for lattice in [&mut shading, &mut rays] {
+        lattice.coarsest = lattice.coarsest.min(width.max(height).max(1).ilog2());
+    }
+    Settings { multi_resolution: MultiResolution { shading, rays, ..settings.multi_resolution }, ..settings }
 }
 
 /// The paper's settings at another τa, the threshold of colour and textures. At 1 it raises those of shadows with it (table 2).
@@ -231,6 +271,20 @@ mod tests {
         let paper = paper.map(|(name, tau)| (format!("selective-m4-paper{name}"), tau));
         assert_eq!(of(false), [ids(&own), paper.to_vec()].concat());
         assert_eq!(of(true), [ids(&[own[0], own[2]]), paper[..2].to_vec()].concat());
+    }
+
+    #[test]
+    fn lattices_have_a_curve_of_their_own_and_what_is_below_one_sample() {
+        let of = |quick| {
+            let all = plan(&[2, 3], &["multiresolution"], Settings::default(), quick);
+            all.iter().for_each(|p| p.settings.validate().unwrap());
+            all.into_iter().map(|p| p.id).collect::<Vec<_>>()
+        };
+        let ids = |names: &[&str]| names.iter().map(|name| format!("multiresolution-{name}")).collect::<Vec<_>>();
+        assert_eq!(of(false), ids(&["m3", "m3-0-02", "m3-0-005", "m3-0-05", "m3-sparse", "m3-paper", "m2"]));
+        assert_eq!(of(true), ids(&["m3", "m3-0-02", "m3-sparse", "m3-paper", "m2"]));
+        let coarse = |size| fitting(Settings::default(), size).multi_resolution.shading.coarsest;
+        assert_eq!((coarse((3, 2)), coarse((2, 4)), coarse((1, 1))), (1, 2, 0));
     }
 
     #[test]

@@ -4,7 +4,7 @@ use super::cost::{self, Cost};
 use super::effects::{Effects, effects};
 use super::executions::{ExecutionRow, executions};
 use super::measure::{self, References};
-use super::papers::{Papers, papers};
+use super::papers::{self, Papers, papers};
 use super::plan::{self, Planned};
 use super::schema::{Crop, Entry, Frontier, GoalRow, Oracle, Report, ReportAdapter, TemporalBase, TruthInfo, VERSION};
 use super::session::{Request, Session};
@@ -29,7 +29,11 @@ struct Finished {
 
 /// The entries of a request.
 pub fn plan_of(request: &Request) -> Vec<Planned> {
-    plan::plan(&request.ms, &request.techniques, request.base, request.quick)
+    let mut plan = plan::plan(&request.ms, &request.techniques, request.base, request.quick);
+    for planned in &mut plan {
+        planned.settings = plan::fitting(planned.settings, (request.width, request.height));
+    }
+    plan
 }
 
 /// The parts of work of a plan, in order.
@@ -45,7 +49,7 @@ pub fn parts(request: &Request, plan: &[Planned]) -> Vec<String> {
     if costs {
         names.push("effects".to_owned());
     }
-    if wanted("full") && wanted("selective") {
+    if papers::any(&request.techniques) {
         names.push("papers".to_owned());
     }
     if costs {

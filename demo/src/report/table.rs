@@ -1,7 +1,7 @@
 //! The report on a terminal.
 
 use super::effects::{Effects, Frames};
-use super::papers::{Papers, Printed, Row, Table};
+use super::papers::{PARTS, Papers, Printed, Row, Table};
 use super::schema::Report;
 use crate::quality::IDENTICAL_DB;
 
@@ -92,9 +92,13 @@ fn papers_text(papers: &Papers) -> String {
     let mut text = String::new();
     for table in &papers.tables {
         text += &if table.timed { timed_table(table) } else { curves_table(table) };
+        if table.sparse {
+            text += &parts_table(table);
+        }
     }
-    text + "the paper's: dB, samples and speed, or samples at same dB, from its least to its greatest scene; speed: frames a second \
-            over those of the row that samples are over; at same dB: samples over those of colour alone there, between its points\n"
+    text + "the paper's: dB, samples and speed, or samples at same dB, or frames a second and speed, from its least to its greatest scene; \
+            speed: frames a second over those of the row that samples are over; over dB: PSNR against that row; at same dB: samples \
+            over those of colour alone there, between its points\n"
 }
 
 fn width(table: &Table<Row>) -> usize {
@@ -110,30 +114,50 @@ fn of_row(table: &Table<Row>) -> String {
 /// Samples, times and speeds, and the paper's over its scenes.
 fn timed_table(table: &Table<Row>) -> String {
     let width = width(table);
+    let (sparse, over) = (table.sparse, of_row(table));
+    let over_width = over.chars().count().max(11) + 2;
+    let wide = over_width - 1;
     let mut text = format!(
-        "{:<width$}{:>10}{:>13}{:>11}{:>8}{:>8}  the paper's\n",
+        "{:<width$}{:>10}{}{over:>over_width$}{:>11}{:>8}{:>8}  the paper's\n",
         table.title,
         "truth dB",
-        of_row(table),
+        if sparse { format!("{:>10}", "over dB") } else { String::new() },
         "total ms",
         "speed",
         "node"
     );
     for row in &table.rows {
         text += &format!(
-            "{:<width$}{:>10}{:>12}%{:>11}{:>8}{:>8}",
+            "{:<width$}{:>10}{}{:>wide$}%{:>11}{:>8}{:>8}",
             row.planned.label,
             decibels(Some(row.truth_db)),
+            if sparse { format!("{:>10}", decibels(row.over_db)) } else { String::new() },
             number(row.samples.map(|s| s * 100.0), 1),
             number(row.time_ms.get("total").map(|s| s.median), 1),
             number(row.speed, 2),
             number(row.node_speed, 2),
         );
         let printed = &row.planned.printed;
-        if !printed.is_empty() {
+        if sparse && !printed.is_empty() {
+            text += &format!("  {} fps, {}", span(printed, |p| p.fps, 1), span(printed, |p| p.speed, 2));
+        } else if !printed.is_empty() {
             let [db, samples] = [span(printed, |p| p.psnr_db, 1), span(printed, |p| Some(p.samples? * 100.0), 1)];
             text += &format!("  {db}, {samples}%, {}", span(printed, |p| p.speed, 2));
         }
+        text += "\n";
+    }
+    text
+}
+
+/// Median milliseconds of the node's passes by what they are for.
+fn parts_table(table: &Table<Row>) -> String {
+    let width = width(table);
+    let mut text = format!("{:<width$}", "ms of the node's passes for");
+    PARTS.iter().for_each(|part| text += &format!("{part:>11}"));
+    text += "\n";
+    for row in &table.rows {
+        text += &format!("{:<width$}", row.planned.label);
+        PARTS.iter().for_each(|part| text += &format!("{:>11}", number(row.parts_ms.get(*part).map(|s| s.median), 2)));
         text += "\n";
     }
     text

@@ -100,6 +100,7 @@ pub fn table_2(base: Settings, focus: Option<&str>) -> Table<Planned> {
             .to_owned(),
         over: "fixed-9".to_owned(),
         timed: true,
+        sparse: false,
         rows: fixed.chain(by_tau).chain(focused).chain([ours]).collect(),
     }
 }
@@ -126,6 +127,7 @@ pub fn figure_7(base: Settings) -> Table<Planned> {
             .to_owned(),
         over: "fixed-16".to_owned(),
         timed: false,
+        sparse: false,
         rows: std::iter::once(fixed(base, M, Vec::new())).chain(unprinted).chain(rows).collect(),
     }
 }
@@ -141,6 +143,7 @@ pub fn our_figure_7(base: Settings) -> Table<Planned> {
             .to_owned(),
         over: "fixed-16".to_owned(),
         timed: false,
+        sparse: false,
         rows: std::iter::once(fixed(base, M, Vec::new())).chain(rows).collect(),
     }
 }

@@ -7,10 +7,10 @@ const IDENTICAL_DB = 199.99;
 const CLOSE = 1.1; // as accurate as Full: an error at most this much greater
 const GRID_GOOD = 0.01; // 40 dB: good enough where there is no truth
 const EQUAL_TIME = 1.05;
-const PASS_ORDER = ["gbuffer", "classify", "trace first", "bounce first", "first", "metrics", "plan", "select", "list",
-  "trace", "bounce", "shade", "extra", "reconstruct", "resolve", "fxaa", "smaa"];
-const KINDS = { windowed: "Windowed", selective: "Selective", reconstructed: "Reconstructed", full: "Full",
-  single: "Single", fxaa: "FXAA", smaa: "SMAA", other: "other" };
+const PASS_ORDER = ["gbuffer", "classify", "trace first", "bounce first", "refine rays", "refine", "points", "map", "first",
+  "metrics", "plan", "select", "list", "trace", "bounce", "shade", "extra", "reconstruct", "resolve", "fxaa", "smaa"];
+const KINDS = { windowed: "Windowed", selective: "Selective", multiresolution: "MultiResolution",
+  reconstructed: "Reconstructed", full: "Full", single: "Single", fxaa: "FXAA", smaa: "SMAA", other: "other" };
 const MEASURES = {
   rmse: { name: "rMSE", of: (q) => fromDb(q.psnr_db) },
   edge: { name: "rMSE on edges", of: (q) => fromDb(q.edge_psnr_db) },
@@ -77,10 +77,21 @@ function readEntry(raw, index) {
     kind: raw.role === "goal" ? "goal" : raw.technique in KINDS ? raw.technique : "other",
     total: raw.time_ms?.total?.median ?? null,
     node: raw.time_ms?.node?.median ?? null,
+    passes: passTimes(raw.time_ms),
     perPixel: raw.samples?.mean_k ?? (finite(ratio) && m ? ratio * m * m : null),
     quality: { truth: raw.quality?.truth ?? {}, grid: raw.quality?.grid ?? {} },
     aboveOracle: raw.oracle?.mean_of_k?.achieved_over_oracle ?? null,
   };
+}
+
+/** Medians by pass; those of all lattices together. */
+function passTimes(spreads) {
+  const all = {};
+  for (const [name, spread] of Object.entries(spreads ?? {})) {
+    const pass = name.replace(/ (1\/\d|shifted)$/, "");
+    if (pass !== "node" && pass !== "total") all[pass] = (all[pass] ?? 0) + (spread?.median ?? 0);
+  }
+  return all;
 }
 
 const errorOf = (e, { measure, against }) => MEASURES[measure].of(e.quality[against]) ?? null;
@@ -284,10 +295,9 @@ function oracleText({ pick, trade, baseline, entries }) {
 
 /** The passes that any entry was timed in, in the order of a frame. */
 function passesOf(entries) {
-  const names = new Set(entries.flatMap((e) => Object.keys(e.raw.time_ms ?? {})));
+  const names = new Set(entries.flatMap((e) => Object.keys(e.passes)));
   const place = (name) => (PASS_ORDER.indexOf(name) + 1 || PASS_ORDER.length + 1);
-  const passes = [...names].filter((name) => name !== "node" && name !== "total");
-  return passes.sort((a, b) => place(a) - place(b) || a.localeCompare(b));
+  return [...names].sort((a, b) => place(a) - place(b) || a.localeCompare(b));
 }
 
 // ---- Settings, order, ticks ---------------------------------------------------------------------------------------
@@ -296,7 +306,8 @@ function passesOf(entries) {
 function settingsOf({ technique, settings }) {
   const flat = (value, path) => (value && typeof value === "object" && !Array.isArray(value) ?
     Object.entries(value).flatMap(([k, v]) => flat(v, [...path, k])) : [[path.join("."), value]]);
-  const others = ["technique", "view", "windowed", "selective", "reconstructed"].filter((t) => t !== technique);
+  const techniques = ["windowed", "selective", "reconstructed", "multi_resolution"];
+  const others = ["technique", "view", ...techniques.filter((t) => t.replace("_", "") !== technique)];
   return flat(settings ?? {}, []).filter(([path]) => !others.includes(path.split(".")[0]));
 }
 

@@ -13,24 +13,44 @@ function drawPapers(host, { report }) {
   }
 }
 
-/** Ours, then a column for each scene of the paper. */
+/** Ours, then a column for each scene of the paper; and of what is sparse the times apart. */
 function drawTimed(host, paper) {
-  const over = overName(paper), printed = (scene) => ({ name: `${scene}, printed`, text: (r) => printedLines(r, scene) });
+  const over = overName(paper);
+  const printed = (scene) => ({ name: `${scene}, printed`, text: (r) => printedLines(paper, r, scene) });
   host.append(table(paper.title, [
     { name: "Row", text: (r) => r.label },
     { name: "PSNR to truth", class: "ours", text: (r) => decibels(r.truth_db) },
     { name: "PSNR to grid", class: "ours", text: (r) => (finite(r.grid_db) ? decibels(r.grid_db) : MISSING) },
+    ...(paper.sparse ? [{ name: `PSNR to ${over}`, class: "ours", text: (r) => decibels(r.over_db) }] : []),
     { name: `Samples of ${over}`, class: "ours", text: (r) => percent(r.samples) },
     { name: "Total, ms", class: "ours", text: (r) => number(r.time_ms?.total?.median), title: (r) => spreadText(r.time_ms?.total) },
     { name: `Speed over ${over}`, class: "ours", text: (r) => ratioText(r.speed) },
     { name: "Speed of the node", class: "ours", text: (r) => ratioText(r.node_speed) },
     ...scenesOf(paper).map(printed),
   ], paper.rows));
+  if (paper.sparse) drawParts(host, paper);
 }
 
-function printedLines(row, scene) {
+function printedLines({ sparse }, row, scene) {
   const p = printedOn(row, scene);
-  return p ? [decibels(p.psnr_db), el("br"), percent(p.samples), el("br"), ratioText(p.speed)] : MISSING;
+  if (!p) return MISSING;
+  if (sparse) return [unit(fixed(p.fps, 1), "fps"), el("br"), ratioText(p.speed)];
+  return [decibels(p.psnr_db), el("br"), percent(p.samples), el("br"), ratioText(p.speed)];
+}
+
+const PARTS = { rays: "Rays, ms", decisions: "Decisions, ms", shading: "Shading, ms", rest: "Rest, ms" };
+
+/** Times of the node's passes by what they are for. */
+function drawParts(host, { title, rows }) {
+  const part = ([key, name]) => ({ name, class: "ours", text: (r) => number(r.parts_ms?.[key]?.median),
+    title: (r) => spreadText(r.parts_ms?.[key]) });
+  host.append(el("p", null, "What the node's passes are for, as medians: to cast rays, to decide where the next finer lattice is " +
+    "sampled, to shade, and the rest. The G-buffer is left out."));
+  host.append(table(`${title}: passes`, [
+    { name: "Row", text: (r) => r.label },
+    ...Object.entries(PARTS).map(part),
+    { name: "Node, ms", class: "ours", text: (r) => number(r.time_ms?.node?.median), title: (r) => spreadText(r.time_ms?.node) },
+  ], rows));
 }
 
 /** A plot of PSNR over samples, ours and the paper's, and its points. */
