@@ -40,7 +40,7 @@ pub struct Table<R> {
     pub over: String,
     /// Its rows have times.
     pub timed: bool,
-    /// No row has more than a sample a pixel: they are held against the one that the table is over, which comes first, and their times
+    /// No row is supersampled: they are held against the one that the table is over, which comes first, and their times
     /// are apart by what they are for.
     #[serde(default)]
     pub sparse: bool,

@@ -25,7 +25,7 @@ function drawPasses(host, model) {
 
 /** A row an entry; its name beside the bar, or above it where the page is narrow. */
 function passBars(entries, passes, colour, width) {
-  const beside = width >= 620, left = beside ? 210 : 0, step = beside ? 30 : 44;
+  const beside = width >= 620, left = beside ? 250 : 0, step = beside ? 30 : 44;
   const time = (e, pass) => e.passes[pass] ?? 0;
   const sum = (e) => passes.reduce((all, pass) => all + time(e, pass), 0);
   const scale = (width - left - 62) / Math.max(...entries.map(sum), 1e-9);
