@@ -259,6 +259,8 @@ fn the_page_shows_the_papers_tables() {
     }
     assert!(section.contains("Fairy Forest, printed") && section.contains("46.7&nbsp;dB"), "{section}");
     assert!(!tags(section, &["class=\"line dashed\""]).is_empty(), "the paper's curves");
+    assert!(section.contains("PSNR to Every pixel once") && section.contains("144.1&nbsp;fps"), "{section}");
+    assert!(section.contains("Decisions, ms"), "{section}");
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! `report` as its user meets it, on pictures of a few thousand pixels.
 
+use deferred_aa_demo::picture::heat;
 use deferred_aa_demo::report::schema::Report;
 use image::RgbImage;
 use serde_json::Value;
@@ -126,7 +127,16 @@ fn every_field_and_file_is_there() {
     );
     assert_eq!(report["truth"]["samples_per_pixel"], 256);
     assert_eq!(report["unfinished"], Value::Array(Vec::new()));
-    let adaptive = ["windowed-m2", "windowed-m2-x1-4", "windowed-m2-paper", "selective-m2", "selective-m2-paper"];
+    let adaptive = [
+        "windowed-m2",
+        "windowed-m2-x1-4",
+        "windowed-m2-paper",
+        "selective-m2",
+        "selective-m2-paper",
+        "multiresolution-m2",
+        "multiresolution-m2-sparse",
+        "multiresolution-m2-paper",
+    ];
     for id in ["full-m2", "single-m2", "single-m1"].into_iter().chain(adaptive) {
         let entry = find(report, id);
         for key in [
@@ -209,7 +219,7 @@ fn the_papers_tables_are_there_with_ours_beside_them() {
     let tables = tables(report);
     assert_eq!(
         tables.keys().copied().collect::<Vec<_>>(),
-        ["jin-2009-figure-7", "jin-2009-figure-7-ours", "jin-2009-table-2"]
+        ["jin-2009-figure-7", "jin-2009-figure-7-ours", "jin-2009-table-2", "tri-adaptive-table-5-1"]
     );
     let row = |table: &str, id: &str| {
         let rows = tables[table]["rows"].as_array().unwrap();
@@ -246,6 +256,45 @@ fn the_papers_tables_are_there_with_ours_beside_them() {
 }
 
 #[test]
+fn lattices_are_held_against_every_pixel_shaded_once() {
+    let (_, report) = whole();
+    let rows = tables(report)["tri-adaptive-table-5-1"]["rows"].as_array().unwrap();
+    let timed = !find(report, "full-m2")["time_ms"].as_object().unwrap().is_empty();
+    assert_eq!((&rows[0]["over_db"], &rows[0]["mean_k"]), (&200.0.into(), &1.0.into()));
+    for row in &rows[1..] {
+        let (samples, db) = (row["samples"].as_f64().unwrap(), row["over_db"].as_f64().unwrap());
+        // Triangles shade in the shifted rows too, and a fence has little that is smooth.
+        let squares = row["id"].as_str().unwrap().ends_with("quad");
+        assert!(db > 20.0 && samples < if squares { 1.0 } else { 2.0 }, "{row:#}");
+    }
+    for row in rows.iter().filter(|_| timed) {
+        let median = |time: &Value| time["median"].as_f64().unwrap();
+        let parts = row["parts_ms"].as_object().unwrap();
+        assert_eq!(parts.keys().collect::<Vec<_>>(), ["decisions", "rays", "rest", "shading"]);
+        assert_eq!(median(&parts["decisions"]) > 0.0, row["id"] != "every-pixel", "{row:#}");
+        // One frame: the medians are its times.
+        let sum: f64 = parts.values().map(median).sum();
+        assert!((sum - median(&row["time_ms"]["node"])).abs() < 1e-6, "{row:#}");
+    }
+    let others = tables(report)["jin-2009-table-2"]["rows"][0].clone();
+    assert_eq!((&others["over_db"], &others["parts_ms"]), (&Value::Null, &serde_json::json!({})));
+    let sparse = find(report, "multiresolution-m2-sparse");
+    assert_eq!(sparse["settings"]["multi_resolution"]["supersampled"], false);
+    assert!(sparse["samples"]["mean_k"].as_f64().unwrap() < 1.0);
+}
+
+#[test]
+fn sample_maps_hold_what_was_shaded_below_one_sample_a_pixel() {
+    let (folder, report) = whole();
+    let map = folder.image("multiresolution-m2-sparse-samples.png");
+    let one = image::Rgb(heat(1, 4));
+    let shaded = map.pixels().filter(|p| **p == one).count() as f64 / f64::from(map.width() * map.height());
+    let mean_k = find(report, "multiresolution-m2-sparse")["samples"]["mean_k"].as_f64().unwrap();
+    // Points beyond the border count as samples, and no pixel shows them.
+    assert!(shaded > 0.0 && shaded < 1.0 && shaded <= mean_k && shaded > mean_k * 0.8, "{shaded}, {mean_k}");
+}
+
+#[test]
 fn a_focus_is_by_number_or_name() {
     let folder = Folder::new("focus");
     let few = ["--scene", "cornell", "--size", "32x18", "--techniques", "full,selective"];
@@ -271,9 +320,16 @@ fn a_focus_is_by_number_or_name() {
 #[test]
 fn reports_of_before_can_be_read() {
     let mut old = whole().1.clone();
+    for table in old["papers"]["tables"].as_array_mut().unwrap() {
+        table.as_object_mut().unwrap().remove("sparse");
+        for row in table["rows"].as_array_mut().unwrap() {
+            row.as_object_mut().unwrap().retain(|key, _| key != "over_db" && key != "parts_ms");
+        }
+    }
+    let read = |report: &Value| serde_json::from_value::<Report>(report.clone()).unwrap();
+    assert!(read(&old).papers.unwrap().tables.iter().all(|t| !t.sparse && t.rows[0].over_db.is_none()));
     old.as_object_mut().unwrap().remove("papers");
-    let read: Report = serde_json::from_value(old).unwrap();
-    assert!(read.papers.is_none() && read.effects.is_some());
+    assert!(read(&old).papers.is_none() && read(&old).effects.is_some());
 }
 
 #[test]
@@ -358,9 +414,9 @@ fn the_page_holds_the_report_and_its_pictures() {
     let images = script("images");
     assert!(images["truth"].as_str().unwrap().starts_with("data:image/jpeg;base64,"));
     let shown = images["entries"].as_object().unwrap();
-    for id in ["full-m2", "windowed-m2", "windowed-m2-paper", "single-m1"] {
+    for id in ["full-m2", "windowed-m2", "windowed-m2-paper", "multiresolution-m2", "single-m1"] {
         assert!(shown[id]["image"].as_str().unwrap().starts_with("data:image/jpeg;base64,"), "{id}");
-        assert_eq!(shown[id]["samples"].is_null(), !id.starts_with("windowed"), "{id}");
+        assert_eq!(shown[id]["samples"].is_null(), ["full-m2", "single-m1"].contains(&id), "{id}");
     }
     let crops = images["crops"].as_array().unwrap();
     assert_eq!(crops.len(), report["crops"].as_array().unwrap().len());
