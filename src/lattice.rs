@@ -105,7 +105,7 @@ pub(crate) struct Steps {
 }
 
 impl Steps {
-    /// `rays`: 1 for shadows, 2 for what is reflected and refracted.
+    /// `rays`: 1 for shadows, 2 for what is reflected and refracted; 0: there are no lattices for them.
     pub fn new(settings: &MultiResolution, size: [u32; 2], rays: u32) -> Self {
         let mut made = Self { steps: Default::default(), points: [0; 2] };
         // The image is taken from the lattice of the pixels, which is the first of all.
@@ -113,7 +113,7 @@ impl Steps {
         made.points[0] = width * height;
         for of in Use::ALL {
             let mut parents: Option<LatticeUniform> = None;
-            for place in places(settings, of) {
+            for place in places(settings, of).filter(|_| of == Use::Shading || rays != 0) {
                 let pattern = match (of, place) {
                     (_, Place::Pixels) => Pattern::Quad,
                     (Use::Rays, Place::Half | Place::Quarter | Place::Eighth) => settings.rays.pattern,

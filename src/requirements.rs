@@ -30,7 +30,8 @@ pub struct Memory {
     pub gbuffer: u64,
     /// All else that the node holds, but for the list of an execution that makes one: on its first frame it adds about 4
     /// bytes a pixel for [`Sorted`](crate::Execution::Sorted) and [`Bucketed`](crate::Execution::Bucketed), and but for 72 KiB of
-    /// [`Selective`](crate::Technique::Selective).
+    /// [`Selective`](crate::Technique::Selective), and for [`MultiResolution`](crate::Technique::MultiResolution) about 43 bytes a pixel,
+    /// 85 with rays; 75 and 150 with shifted rows.
     pub scratch: u64,
     /// What rays find, once a frame traced: 4 bytes a sample for shadows, and 4 for what it reflects and refracts, with 24 more a
     /// pixel for [`Selective`](crate::Technique::Selective). The scene for rays is the host's: [`RayScene::bytes`](crate::rays::RayScene::bytes).

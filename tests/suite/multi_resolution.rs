@@ -497,3 +497,19 @@ fn passes_are_those_of_the_lattices() {
     ];
     assert_eq!(names(traced), [&rays[..], &shifted].concat());
 }
+
+/// Bytes are those of the lattices that a frame goes through, and rays have none where nothing is traced.
+#[test]
+fn lattices_hold_what_they_need() {
+    let mut rig = Rig::new(2, 256, 256, SHOW_USER);
+    rig.fill(|x, y| scene(x, y, 2));
+    let before = rig.aa.memory().scratch;
+    let mut a_pixel = |pattern| {
+        rig.run(multi(undersampled(pattern, 2)));
+        (rig.aa.memory().scratch - before) / (256 * 256)
+    };
+    assert_eq!(a_pixel(Pattern::Quad), 42);
+    assert_eq!(a_pixel(Pattern::Triangular), 75);
+    // What is there is kept.
+    assert_eq!(a_pixel(Pattern::Quad), 75);
+}
