@@ -1,16 +1,16 @@
 //! `Technique::Selective`: plans and images against the twin, each threshold alone, and the hard cases.
 
 use crate::harness::{Output, Rig, SHOW_USER, Sample, camera, noise, rgba8};
-use crate::shadows::{full, host};
+use crate::shadows::{full, host, light, looking, scene, square};
 use bytemuck::pod_collect_to_vec;
-use deferred_aa::glam::{Vec2, Vec3};
+use deferred_aa::glam::{Mat4, Vec2, Vec3, vec3};
 use deferred_aa::reference::selective::Input;
 use deferred_aa::{
     ColorReference, DebugView, Enabled, LuminanceCurve, Needs, ObjectImportance, RecordError, Selective, Settings,
     Technique, Weight, window,
 };
 use deferred_aa_demo::quality::psnr;
-use deferred_aa_demo::scene::builtin;
+use deferred_aa_demo::scene::{LightKind, builtin};
 
 /// Objects of several pixels in several materials, curved, with sky, patches of flat colour and of noise.
 fn busy(x: u32, y: u32, m: u32) -> Sample {
@@ -478,6 +478,30 @@ fn row_20_odd_sizes_are_cut_from_a_padded_image() {
             }
         }
     }
+}
+
+/// On either side of a wall one lamp shines, and not the same: as many, as the paper counts, and others.
+#[test]
+fn other_lights_are_not_as_many_lights() {
+    use std::f32::consts::FRAC_PI_2;
+    let upright = Mat4::from_translation(vec3(0.0, 0.25, 0.0))
+        * Mat4::from_rotation_z(FRAC_PI_2)
+        * Mat4::from_scale(vec3(0.25, 1.0, 4.0));
+    let mut scene = scene(vec![square()], &[(0, Mat4::IDENTITY), (0, upright)]);
+    scene.sun = None;
+    scene.lights = [-3.0, 3.0].map(|x| light(LightKind::Point, vec3(x, 2.0, 0.0), 100.0)).to_vec();
+    let mut host = host(scene, 2, [32, 32]);
+    // From above, so that the wall is a line.
+    let camera = looking(vec3(0.0, 1.5, 0.0), Vec3::ZERO, 0.01);
+    let only_shadows =
+        Selective { enabled: Enabled { psc: true, ..Enabled::NONE }, tau_psc: 0.0, ..Default::default() };
+    let mut chosen = |shadow_lights| {
+        let shot = host.frame(&camera, selective(Selective { shadow_lights, ..only_shadows })).unwrap();
+        shot.statistics.quadrants[3]
+    };
+    // A pixel to the left and one to the right of it, two quadrants each, all the way down.
+    assert!(chosen(true) >= 4 * 28, "{}", chosen(true));
+    assert_eq!(chosen(false), 0);
 }
 
 /// The same frame twice is the same bits, and the debug view is the plan's.

@@ -188,7 +188,7 @@ fn shadow_edges_are_reconstructed() {
 
 // ---- Hard cases ----
 
-fn light(kind: LightKind, position: Vec3, range: f32) -> Light {
+pub fn light(kind: LightKind, position: Vec3, range: f32) -> Light {
     Light { kind, position, direction: Vec3::NEG_Y, intensity: Vec3::ONE, range, casts: true }
 }
 
