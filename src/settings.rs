@@ -114,7 +114,7 @@ pub struct MultiResolution {
     /// is refined. Not in the thesis. On: what is thin survives.
     pub veto: bool,
     /// Interpolates by the weights of [`Settings::reconstructed`] too, with its scales and cuts, and samples where less than half of them
-    /// remain. Not in the thesis. On: sharper folds, more samples.
+    /// remain. Not in the thesis. On: sharper folds, more samples, which buy less than lower thresholds do.
     pub weighted: bool,
     /// The texture footprint of a shaded sample over that of the samples that it stands for, 0 to 4, where
     /// [`supersampled`](Self::supersampled); else 1. Higher: blurrier.
@@ -179,7 +179,7 @@ impl Default for MultiResolution {
             position_threshold: 0.02,
             curve: LuminanceCurve::Perceptual,
             veto: true,
-            weighted: true,
+            weighted: false,
             footprint: 0.5,
         }
     }
