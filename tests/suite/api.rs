@@ -14,7 +14,7 @@ const WIDTH: u32 = 21;
 const HEIGHT: u32 = 13;
 
 /// Every way to make an image.
-const WAYS: [(Technique, Execution); 9] = [
+const WAYS: [(Technique, Execution); 10] = [
     (Technique::Full, Execution::Loop),
     (Technique::Single, Execution::Loop),
     (Technique::Windowed, Execution::Loop),
@@ -24,6 +24,7 @@ const WAYS: [(Technique, Execution); 9] = [
     (Technique::Windowed, Execution::MaxFiltered),
     (Technique::Windowed, Execution::Packed),
     (Technique::Selective, Execution::Loop),
+    (Technique::MultiResolution, Execution::Sorted),
 ];
 
 fn way((technique, execution): (Technique, Execution)) -> Settings {

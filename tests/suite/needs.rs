@@ -57,7 +57,13 @@ fn pruned_and_unpruned_images_are_the_same_bits() {
         let scene = builtin(name).unwrap();
         let camera = scene.default_camera();
         let mut host = host(scene, 2, [40, 24]);
-        for technique in [Technique::Full, Technique::Windowed, Technique::Reconstructed, Technique::Selective] {
+        for technique in [
+            Technique::Full,
+            Technique::Windowed,
+            Technique::Reconstructed,
+            Technique::Selective,
+            Technique::MultiResolution,
+        ] {
             let settings = Settings { technique, ..Default::default() };
             let all = Settings { shadows: Effect::On, reflections: Effect::On, ..settings };
             host.aa.warm_up(&all, &Needs::default()).unwrap();
