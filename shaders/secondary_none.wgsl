@@ -1,5 +1,8 @@
 // Nothing was reflected or refracted.
 
+/// What is seen alone.
+const DAA_KINDS: u32 = 1u;
+
 fn daa_secondary_code(pixel: vec2u, rank: u32) -> u32 {
     return 0u;
 }

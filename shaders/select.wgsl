@@ -85,13 +85,71 @@ fn daa_disagreeing(a: vec4u, b: vec4u) -> vec4f {
 
 /// How much an object's attributes count, 0 to 1.
 fn daa_importance(object: u32) -> f32 {
-    if !daa_flag(DAA_FLAG_FOCUSED) {
-        return 1.0;
-    }
     if object == DAA_NO_OBJECT {
         return 0.0;
     }
     return f32((daa_marks[DAA_IMPORTANCE_AT + (object >> 2u)] >> (8u * (object & 3u))) & 0xffu) / 255.0;
+}
+
+/// The importance of each attribute that disagrees: of what is shown, and of what is reflected or refracted.
+struct DaaDisagreement {
+    shown: vec4f,
+    beyond: vec4f,
+}
+
+/// A quadrant and the three pixels at its corner: the range of their colours, and how much they disagree.
+struct DaaCorner {
+    most: vec3f,
+    least: vec3f,
+    disagreement: DaaDisagreement,
+}
+
+/// With one more pixel, if it lies there.
+fn daa_joins(corner: DaaCorner, color: vec3f, disagreement: DaaDisagreement, joins: bool) -> DaaCorner {
+    return DaaCorner(
+        select(corner.most, max(corner.most, color), joins),
+        select(corner.least, min(corner.least, color), joins),
+        DaaDisagreement(
+            select(corner.disagreement.shown, max(corner.disagreement.shown, disagreement.shown), joins),
+            select(corner.disagreement.beyond, max(corner.disagreement.beyond, disagreement.beyond), joins),
+        ),
+    );
+}
+
+/// What is compared of a pixel: 1, or with what it reflects and refracts.
+fn daa_kinds() -> u32 {
+    return min(DAA_KINDS, daa_frame.size.x + 2u);
+}
+
+fn daa_disagreement(own: u32, place: u32) -> DaaDisagreement {
+    var found = DaaDisagreement();
+    for (var kind = 0u; kind < daa_kinds(); kind++) {
+        let a = daa_near[own].hits[kind];
+        let b = daa_near[place].hits[kind];
+        var differs = daa_disagreeing(a, b);
+        if daa_flag(DAA_FLAG_FOCUSED) {
+            let of_own = max(daa_importance(daa_near[own].hits[0].y), daa_importance(a.y));
+            differs *= max(of_own, max(daa_importance(daa_near[place].hits[0].y), daa_importance(b.y)));
+        }
+        found.shown = select(found.shown, differs, kind == 0u);
+        found.beyond = select(max(found.beyond, differs), found.beyond, kind == 0u);
+    }
+    return found;
+}
+
+/// A texture counts wherever the pixel itself has it.
+fn daa_textures(own: u32) -> DaaDisagreement {
+    var found = DaaDisagreement();
+    for (var kind = 0u; kind < daa_kinds(); kind++) {
+        let a = daa_near[own].hits[kind];
+        var counts = f32(a.w != 0u);
+        if daa_flag(DAA_FLAG_FOCUSED) {
+            counts *= max(daa_importance(daa_near[own].hits[0].y), daa_importance(a.y));
+        }
+        found.shown.w = select(found.shown.w, counts, kind == 0u);
+        found.beyond.w = select(max(found.beyond.w, counts), found.beyond.w, kind == 0u);
+    }
+    return found;
 }
 
 /// A quadrant's threshold, and what it is for.
@@ -100,48 +158,24 @@ struct DaaThreshold {
     by: u32,
 }
 
-/// The three pixels around a quadrant's corner, in `daa_near`.
-fn daa_corner(own: u32, quadrant: u32) -> vec3u {
-    let x = select(-1, 1, (quadrant & 1u) != 0u);
-    let y = select(-10, 10, (quadrant & 2u) != 0u);
-    return vec3u(vec3i(i32(own)) + vec3i(x, y, x + y));
+fn daa_least_threshold(least: DaaThreshold, taus: vec4f, importance: vec4f, by: u32) -> DaaThreshold {
+    let between = taus * importance + min(daa_frame.selective_color, 1.0) * (1.0 - importance);
+    let counts = (importance > vec4f(0.0)) & (taus < vec4f(DAA_OFF));
+    let t = select(vec4f(DAA_OFF), between, counts);
+    var found = least;
+    if t.x < found.tau { found = DaaThreshold(t.x, by); }
+    if t.y < found.tau { found = DaaThreshold(t.y, by + 1u); }
+    if t.z < found.tau { found = DaaThreshold(t.z, by + 2u); }
+    if t.w < found.tau { found = DaaThreshold(t.w, by + 3u); }
+    return found;
 }
 
 /// The least threshold of the attributes that disagree with a neighbour at the quadrant's corner, else that of colour. Where objects
 /// have an importance, thresholds lie by the greatest of those involved between these two.
-fn daa_threshold(own: u32, quadrant: u32) -> DaaThreshold {
-    let corner = daa_corner(own, quadrant);
-    // The importance of each attribute that disagrees: of what is shown, and of what is reflected or refracted.
-    var shown = vec4f(0.0);
-    var beyond = vec4f(0.0);
-    let end = min(9u, daa_frame.size.x + 9u);
-    for (var i = 0u; i < end; i++) {
-        let kind = i / 3u;
-        let a = daa_near[own].hits[kind];
-        let neighbour = corner[i % 3u];
-        let b = daa_near[neighbour].hits[kind];
-        var differs = daa_disagreeing(a, b);
-        if any(differs > vec4f(0.0)) {
-            let of_primary = max(daa_importance(daa_near[own].hits[0].y), daa_importance(daa_near[neighbour].hits[0].y));
-            differs *= max(of_primary, max(daa_importance(a.y), daa_importance(b.y)));
-        }
-        // A texture counts wherever the pixel itself has it.
-        if a.w != 0u {
-            differs.w = max(daa_importance(daa_near[own].hits[0].y), daa_importance(a.y));
-        }
-        shown = select(shown, max(shown, differs), kind == 0u);
-        beyond = select(max(beyond, differs), beyond, kind == 0u);
-    }
+fn daa_threshold(d: DaaDisagreement) -> DaaThreshold {
     var least = DaaThreshold(DAA_OFF, DAA_COLOR);
-    for (var i = 0u; i < min(8u, end); i++) {
-        let primary = i < 4u;
-        let importance = select(beyond[i & 3u], shown[i & 3u], primary);
-        let tau = select(daa_frame.selective_secondary[i & 3u], daa_frame.selective_primary[i & 3u], primary);
-        let between = tau * importance + min(daa_frame.selective_color, 1.0) * (1.0 - importance);
-        if importance > 0.0 && tau < DAA_OFF && between < least.tau {
-            least = DaaThreshold(between, i + 1u);
-        }
-    }
+    least = daa_least_threshold(least, daa_frame.selective_primary, d.shown, 1u);
+    least = daa_least_threshold(least, daa_frame.selective_secondary, d.beyond, 5u);
     if least.tau == DAA_OFF {
         least.tau = daa_frame.selective_color;
     }
@@ -149,14 +183,7 @@ fn daa_threshold(own: u32, quadrant: u32) -> DaaThreshold {
 }
 
 /// Whether the colours at the quadrant's corner contrast (Mitchell 1987) by a threshold or more: so that 0 takes all.
-fn daa_contrasts(own: u32, quadrant: u32, tau: f32) -> bool {
-    let corner = daa_corner(own, quadrant);
-    let a = daa_near[own].color;
-    let b = daa_near[corner.x].color;
-    let c = daa_near[corner.y].color;
-    let d = daa_near[corner.z].color;
-    let most = max(max(a, b), max(c, d));
-    let least = min(min(a, b), min(c, d));
+fn daa_contrasts(most: vec3f, least: vec3f, tau: f32) -> bool {
     var apart = most - least;
     // Black is no contrast, and noise far below what can be seen not much.
     var contrast = apart / max(most + least, vec3f(1e-6));
@@ -167,6 +194,22 @@ fn daa_contrasts(own: u32, quadrant: u32, tau: f32) -> bool {
     contrast = select(contrast, vec3f(0.0), apart < vec3f(daa_frame.selective_floor));
     let by_channel = !daa_flag(DAA_FLAG_BY_GRADIENT | DAA_FLAG_BY_LUMINANCE);
     return any(contrast >= tau * select(vec3f(1.02), vec3f(1.36, 1.02, 2.04), by_channel));
+}
+
+/// What is chosen of a pixel so far.
+struct DaaChosen {
+    quadrants: u32,
+    /// What the first one's threshold is for, from 1.
+    by: u32,
+}
+
+fn daa_choose(chosen: DaaChosen, quadrant: u32, corner: DaaCorner) -> DaaChosen {
+    let threshold = daa_threshold(corner.disagreement);
+    if !daa_contrasts(corner.most, corner.least, threshold.tau) {
+        return chosen;
+    }
+    atomicAdd(&daa_group_quadrants[threshold.by], 1u);
+    return DaaChosen(chosen.quadrants | (1u << quadrant), select(chosen.by, threshold.by + 1u, chosen.quadrants == 0u));
 }
 
 /// The length of the luminance gradient at a place of `daa_near`, by the Sobel operator; 1 at a step from 0 to 1.
@@ -198,7 +241,7 @@ fn daa_select_main(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocation
             color = vec3f(daa_gradient(i));
         }
         daa_near[i].color = color;
-        for (var kind = 0u; kind < 3u; kind++) {
+        for (var kind = 0u; kind < DAA_KINDS; kind++) {
             daa_near[i].hits[kind] = daa_seen(vec2u(at), kind);
         }
     }
@@ -208,17 +251,31 @@ fn daa_select_main(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocation
     var word = 0u;
     if all(pixel < daa_frame.size) {
         let own = (lane / 8u + 1u) * 10u + lane % 8u + 1u;
-        var chosen = 0u;
-        var by = 0u;
-        let end = min(4u, daa_frame.size.x + 4u);
-        for (var quadrant = 0u; quadrant < end; quadrant++) {
-            let threshold = daa_threshold(own, quadrant);
-            if daa_contrasts(own, quadrant, threshold.tau) {
-                by = select(by, threshold.by + 1u, chosen == 0u);
-                chosen |= 1u << quadrant;
-                atomicAdd(&daa_group_quadrants[threshold.by], 1u);
+        let color = daa_near[own].color;
+        var upper_left = DaaCorner(color, color, daa_textures(own));
+        var upper_right = upper_left;
+        var lower_left = upper_left;
+        var lower_right = upper_left;
+        // An end that the compiler does not know: eight copies take drivers long to compile, and run no faster.
+        let end = min(9, last.x + 9);
+        for (var i = 0; i < end; i++) {
+            let step = vec2i(i % 3, i / 3) - 1;
+            if i == 4 {
+                continue;
             }
+            let place = u32(i32(own) + step.y * 10 + step.x);
+            let other = daa_near[place].color;
+            let disagreement = daa_disagreement(own, place);
+            upper_left = daa_joins(upper_left, other, disagreement, step.x <= 0 && step.y <= 0);
+            upper_right = daa_joins(upper_right, other, disagreement, step.x >= 0 && step.y <= 0);
+            lower_left = daa_joins(lower_left, other, disagreement, step.x <= 0 && step.y >= 0);
+            lower_right = daa_joins(lower_right, other, disagreement, step.x >= 0 && step.y >= 0);
         }
+        var found = daa_choose(DaaChosen(0u, 0u), 0u, upper_left);
+        found = daa_choose(found, 1u, upper_right);
+        found = daa_choose(found, 2u, lower_left);
+        found = daa_choose(found, 3u, lower_right);
+        let chosen = found.quadrants;
         var k = 1u;
         if chosen != 0u {
             for (var rank = 1u; rank < DAA_M * DAA_M; rank++) {
@@ -226,7 +283,7 @@ fn daa_select_main(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocation
             }
         }
         atomicAdd(&daa_group_histogram[k - 1u], 1u);
-        word = k | (by << 8u) | (chosen << 16u);
+        word = k | (found.by << 8u) | (chosen << 16u);
     }
     daa_plan[(tile.y * daa_frame.tiles_x + tile.x) * 64u + lane] = word;
     workgroupBarrier();

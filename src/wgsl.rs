@@ -426,7 +426,7 @@ pub(crate) const BUILTINS: &[&str] = &[
     "rayQueryInitialize", "rayQueryProceed", "reflect", "refract", "round", "sampler", "select", "sign", "sin", "sqrt", "textureLoad",
     "textureSampleGrad", "textureStore", "texture_2d", "texture_2d_array", "texture_depth_2d", "texture_storage_2d",
     "u32", "unpack2x16float", "unpack2x16snorm", "unpack4x8snorm", "unpack4x8unorm", "vec2f", "vec2i", "vec2u",
-    "vec3f", "vec3i", "vec3u", "vec4f", "vec4i", "vec4u", "workgroupBarrier", "workgroupUniformLoad",
+    "vec3f", "vec3u", "vec4f", "vec4i", "vec4u", "workgroupBarrier", "workgroupUniformLoad",
 ];
 
 /// Identifiers, numbers and single characters of WGSL with their places, comments left out.
