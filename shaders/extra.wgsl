@@ -6,11 +6,8 @@
 @group(3) @binding(2) var daa_color: texture_storage_2d<rgba32float, write>;
 @group(3) @binding(3) var<storage, read_write> daa_statistics: DaaStatistics;
 
-var<workgroup> daa_lengths: array<u32, 64>;
-var<workgroup> daa_total: u32;
-/// What a round shades, a sample each lane: window (6 bits) | rank (6 bits). And what became of it.
-var<workgroup> daa_round: array<u32, 64>;
-var<workgroup> daa_round_colors: array<vec4f, 64>;
+@group(3) @binding(4) var<storage, read> daa_list: array<u32>;
+@group(3) @binding(5) var<storage, read> daa_work: DaaWork;
 
 /// A sample joins as much as it lies in active quadrants.
 fn daa_joined(mean: DaaMean, c: vec4f, rank: u32, chosen: u32) -> DaaMean {
@@ -35,56 +32,9 @@ fn daa_inactive_color(pixel: vec2i, own: vec4f, quadrant: u32) -> vec4f {
     return own * 0.5625 + beside * 0.1875 + daa_first_at(pixel + x + y) * 0.0625;
 }
 
-@compute @workgroup_size(64)
-fn daa_extra_main(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocation_index) lane: u32) {
-    let pixel = tile.xy * 8u + vec2u(lane & 7u, lane >> 3u);
-    let chosen = (daa_plan[(tile.y * daa_frame.tiles_x + tile.x) * 64u + lane] >> 16u) & 15u;
-    var queue = vec2u(0u);
-    if chosen != 0u {
-        for (var rank = 1u; rank < DAA_M * DAA_M; rank++) {
-            if (daa_quadrants(rank) & chosen) != 0u {
-                queue = daa_with(queue, rank);
-            }
-        }
-    }
-    let own = daa_first_at(vec2i(pixel));
-    var mean = daa_joined(DaaMean(), own, 0u, chosen);
-
-    // The tile's samples end to end, a window's own beside one another in the order of ranks, 64 a round: the paper's packed list
-    // (section 4.3.3), whose chunks hold whole pixels too, without the memory for it.
-    let count = countOneBits(queue.x) + countOneBits(queue.y);
-    daa_lengths[lane] = count;
-    workgroupBarrier();
-    var next = 0u;
-    for (var i = 0u; i < lane; i++) {
-        next += daa_lengths[i];
-    }
-    if lane == 63u {
-        daa_total = next + count;
-    }
-    let total = workgroupUniformLoad(&daa_total);
-    for (var done = 0u; done < total; done += 64u) {
-        var queued = queue;
-        for (var at = next; at < done + 64u && any(queued != vec2u(0u)); at++) {
-            daa_round[at - done] = lane | (daa_least(queued) << 6u);
-            queued = daa_without_least(queued);
-        }
-        workgroupBarrier();
-        if done + lane < total {
-            let entry = daa_round[lane];
-            let window = tile.xy * 8u + vec2u(entry & 7u, (entry >> 3u) & 7u);
-            daa_round_colors[lane] = daa_shade_sample(window, entry >> 6u, daa_frame.selective_samples);
-        }
-        workgroupBarrier();
-        for (; next < done + 64u && any(queue != vec2u(0u)); next++) {
-            mean = daa_joined(mean, daa_round_colors[next - done], daa_least(queue), chosen);
-            queue = daa_without_least(queue);
-        }
-    }
-    if any(pixel >= daa_frame.size) {
-        return;
-    }
-    // A quadrant weighs a quarter of all.
+/// The pixel of its samples in active quadrants and of its quadrants that are not; each quadrant weighs a quarter of all.
+fn daa_store(pixel: vec2u, own: vec4f, samples: DaaMean, chosen: u32) {
+    var mean = samples;
     let quarter = f32(daa_frame.selective_samples) * 0.25;
     for (var quadrant = 0u; quadrant < 4u; quadrant++) {
         if ((chosen >> quadrant) & 1u) == 0u {
@@ -93,4 +43,53 @@ fn daa_extra_main(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocation_
         }
     }
     textureStore(daa_color, pixel, daa_mean_finish(mean));
+}
+
+fn daa_chosen(slot: u32) -> u32 {
+    return (daa_plan[slot] >> 16u) & 15u;
+}
+
+/// Pixels with active quadrants, in the order of their k: the paper's packed list (section 4.3.3) is of samples, and a pixel's
+/// would have to meet again.
+@compute @workgroup_size(64)
+fn daa_extra_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
+    let draw = daa_draw(daa_work.begin, daa_work.end, group.y * daa_work.groups_x + group.x);
+    if !draw.any {
+        return;
+    }
+    let slot = daa_list[draw.begin + lane];
+    if slot == DAA_NO_ENTRY {
+        return;
+    }
+    let pixel = daa_slot_pixel(slot, daa_frame.tiles_x);
+    let chosen = daa_chosen(slot);
+    var queue = vec2u(0u);
+    for (var rank = 1u; rank < DAA_M * DAA_M; rank++) {
+        if (daa_quadrants(rank) & chosen) != 0u {
+            queue = daa_with(queue, rank);
+        }
+    }
+    let own = daa_first_at(vec2i(pixel));
+    var mean = daa_joined(DaaMean(), own, 0u, chosen);
+    for (; any(queue != vec2u(0u)); queue = daa_without_least(queue)) {
+        let rank = daa_least(queue);
+        mean = daa_joined(mean, daa_shade_sample(pixel, rank, daa_frame.selective_samples), rank, chosen);
+    }
+    daa_store(pixel, own, mean, chosen);
+}
+
+/// The other pixels, where a quadrant that is not active has more than their first sample's colour.
+@compute @workgroup_size(8, 8)
+fn daa_extra_between(
+    @builtin(global_invocation_id) id: vec3u,
+    @builtin(workgroup_id) tile: vec3u,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let slot = (tile.y * daa_frame.tiles_x + tile.x) * 64u + lane;
+    if any(id.xy >= daa_frame.size) || (daa_plan[slot] & 0xffu) > 1u {
+        return;
+    }
+    let chosen = daa_chosen(slot);
+    let own = daa_first_at(vec2i(id.xy));
+    daa_store(id.xy, own, daa_joined(DaaMean(), own, 0u, chosen), chosen);
 }

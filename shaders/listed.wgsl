@@ -12,32 +12,21 @@ fn daa_first_entry(group: vec3u) -> u32 {
     return daa_work.begin + (group.y * daa_work.groups_x + group.x) * 64u;
 }
 
-fn daa_slot_pixel(slot: u32) -> vec2u {
-    let tile = slot / 64u;
-    let corner = vec2u(tile % daa_frame.tiles_x, tile / daa_frame.tiles_x) * 8u;
-    return corner + vec2u(slot & 7u, (slot >> 3u) & 7u);
-}
-
 /// `Bucketed`, where all pixels of a dispatch have the same k (the stencil variant of section 4.2), and `Sorted`, where those
-/// of a workgroup have. The list is drawn in strides, each of which goes from its greatest k to its least: a driver that
-/// cuts a dispatch into fixed parts gets equal ones, and the last workgroups to start are short.
+/// of a workgroup have.
 @compute @workgroup_size(64)
 fn daa_shade_pixels(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
-    let index = group.y * daa_work.groups_x + group.x;
-    let groups = (daa_work.end - daa_work.begin) / 64u;
-    let stride = max((groups + DAA_STRIDES - 1u) / DAA_STRIDES, 1u);
-    let drawn = index % stride * DAA_STRIDES + index / stride;
-    if index >= stride * DAA_STRIDES || drawn >= groups {
+    let draw = daa_draw(daa_work.begin, daa_work.end, group.y * daa_work.groups_x + group.x);
+    if !draw.any {
         return;
     }
-    let begin = daa_work.begin + drawn * 64u;
     // The first entry is never padding.
-    let k = daa_plan[daa_list[begin]] & 0xffu;
-    let slot = daa_list[begin + lane];
+    let k = daa_plan[daa_list[draw.begin]] & 0xffu;
+    let slot = daa_list[draw.begin + lane];
     if slot == DAA_NO_ENTRY {
         return;
     }
-    let pixel = daa_slot_pixel(slot);
+    let pixel = daa_slot_pixel(slot, daa_frame.tiles_x);
     var others = DaaMean();
     for (var rank = 1u; rank < k; rank++) {
         others = daa_weighted(others, daa_shade_sample(pixel, rank, k));
@@ -54,7 +43,7 @@ fn daa_shade_packed(@builtin(workgroup_id) group: vec3u, @builtin(local_invocati
     }
     let n = DAA_M * DAA_M;
     let slot = daa_list[entry] / n;
-    let c = daa_shade_sample(daa_slot_pixel(slot), daa_list[entry] % n, daa_plan[slot] & 0xffu);
+    let c = daa_shade_sample(daa_slot_pixel(slot, daa_frame.tiles_x), daa_list[entry] % n, daa_plan[slot] & 0xffu);
     daa_colors[entry - daa_work.begin] = c;
 }
 

@@ -19,3 +19,24 @@ struct DaaWork {
     groups_y: u32,
     @size(232) groups_z: u32,
 }
+
+/// The first entry that a workgroup draws, and whether there is one. A list of pixels is drawn in strides, each of which goes from
+/// its greatest k to its least: a driver that cuts a dispatch into fixed parts gets equal ones, and the last workgroups to start
+/// are short.
+struct DaaDraw {
+    begin: u32,
+    any: bool,
+}
+
+fn daa_draw(begin: u32, end: u32, index: u32) -> DaaDraw {
+    let groups = (end - begin) / 64u;
+    let stride = max((groups + DAA_STRIDES - 1u) / DAA_STRIDES, 1u);
+    let drawn = index % stride * DAA_STRIDES + index / stride;
+    return DaaDraw(begin + drawn * 64u, index < stride * DAA_STRIDES && drawn < groups);
+}
+
+/// The pixel of a slot of the plan.
+fn daa_slot_pixel(slot: u32, tiles_x: u32) -> vec2u {
+    let tile = slot / 64u;
+    return vec2u(tile % tiles_x, tile / tiles_x) * 8u + vec2u(slot & 7u, (slot >> 3u) & 7u);
+}

@@ -148,13 +148,15 @@ pub enum RecordError {
         "the node was built with a texture tier, the frame has no table; set Frame::textures, an empty table if there are none"
     )]
     Textures,
-    /// The list of an execution is too large.
+    /// A list is too large.
     #[error(
-        "{execution:?} at {width}×{height}, m = {m} lists up to {bytes} bytes: {why}; use Execution::Tiled or Loop, which list nothing"
+        "{} at {width}×{height}, m = {m} lists up to {bytes} bytes: {why}; {}",
+        execution.map_or("Selective".into(), |e| format!("{e:?}")),
+        if execution.is_some() { "use Execution::Tiled or Loop, which list nothing" } else { "use a smaller size or m" }
     )]
     List {
-        /// Whose list.
-        execution: Execution,
+        /// Whose list; `None`: that of [`Technique::Selective`](crate::Technique::Selective).
+        execution: Option<Execution>,
         /// Of the node.
         width: u32,
         /// Of the node.

@@ -69,7 +69,16 @@ const SHADING: [(&str, &str); 7] = [
             include_str!("../shaders/points.wgsl")
         ),
     ),
-    ("extra", concat!(include_str!("../shaders/ranks.wgsl"), "\n", include_str!("../shaders/extra.wgsl"))),
+    (
+        "extra",
+        concat!(
+            include_str!("../shaders/ranks.wgsl"),
+            "\n",
+            include_str!("../shaders/work.wgsl"),
+            "\n",
+            include_str!("../shaders/extra.wgsl")
+        ),
+    ),
     ("first", include_str!("../shaders/first.wgsl")),
     ("shade", include_str!("../shaders/shade.wgsl")),
     ("audit", include_str!("../shaders/audit.wgsl")),

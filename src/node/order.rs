@@ -46,7 +46,10 @@ pub(super) enum Step {
     Shade(Variant),
     Listed(Listing),
     Reconstruct,
-    Extra,
+    /// `between`: quadrants that are not active are interpolated.
+    Extra {
+        between: bool,
+    },
     Resolve(Source),
     View {
         first: bool,
@@ -71,10 +74,14 @@ pub(super) fn order(settings: &Settings, traced: Traced) -> [Option<Step>; MAX_P
         (Technique::MultiResolution, _) if !planned => (None, Source::Lattice),
         (Technique::Windowed | Technique::MultiResolution, execution) => (Some(execute(execution)), Source::ByPlan),
         (Technique::Reconstructed, _) => (Some(Step::Reconstruct), Source::Color),
-        (Technique::Selective, _) => (Some(Step::Extra), Source::Color),
+        (Technique::Selective, _) => {
+            let between = settings.selective.bilinear;
+            (Some(Step::Extra { between }), if between { Source::Color } else { Source::ByPlan })
+        }
     };
     let list = match shade {
         Some(Step::Listed(listing)) => Some(Step::List(listing.kind())),
+        Some(Step::Extra { .. }) => Some(Step::List(ListKind::Pixels)),
         _ => None,
     };
     let filtered = planned && settings.execution == Execution::MaxFiltered;
@@ -169,7 +176,7 @@ impl Step {
                 | Self::Listed(_)
                 | Self::Reconstruct
                 | Self::Points(_)
-                | Self::Extra
+                | Self::Extra { .. }
                 | Self::Audit
         )
     }
@@ -224,8 +231,8 @@ impl Step {
             Self::Shade(_) => shade::INFO,
             Self::Reconstruct if traced => reconstruct::INFO_TRACED,
             Self::Reconstruct => reconstruct::INFO,
-            Self::Extra if traced => extra::INFO_TRACED,
-            Self::Extra => extra::INFO,
+            Self::Extra { .. } if traced => extra::INFO_TRACED,
+            Self::Extra { .. } => extra::INFO,
             Self::Resolve(source) => source.info(),
             Self::View { first, planned } => view::info(first, planned),
             Self::Audit if traced => audit::INFO_TRACED,

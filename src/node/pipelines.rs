@@ -171,7 +171,7 @@ impl Pipelines {
             Step::Shade(variant) => drop(self.shade.pipeline(build, variant, traced)?),
             Step::Reconstruct => drop(self.reconstruct.pipeline(build, traced)?),
             Step::Select => drop(self.select.pipeline(build, traced)?),
-            Step::Extra => drop(self.extra.pipeline(build, traced)?),
+            Step::Extra { between } => self.extra.warm_up(build, between, traced)?,
             Step::Resolve(source) => drop(self.resolve.pipeline(build, source)?),
             Step::View { .. } => drop(self.view.pipeline(build)?),
             Step::Audit => drop(self.audit.pipeline(build, traced)?),

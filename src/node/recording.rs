@@ -10,7 +10,7 @@ use crate::lattice::{Place, Steps, Use};
 use crate::max_filter;
 use crate::points;
 use crate::resolve::Source;
-use crate::scratch;
+use crate::scratch::{self, ListKind};
 use crate::statistics::Recorded;
 use crate::traces::{Samples, TileClass, Traces};
 
@@ -156,7 +156,6 @@ impl Recording<'_> {
                 let Some(group) = &sized.select else { return };
                 (own.select.pipeline(build, set), group, tiles)
             }
-            Step::Extra => (own.extra.pipeline(build, set), &sized.extra, tiles),
             Step::Audit => {
                 let groups = Audit::groups(self.audited, size);
                 (own.audit.pipeline(build, set), &sized.audit, groups)
@@ -169,6 +168,11 @@ impl Recording<'_> {
             Step::Listed(listing) => {
                 let Some(made) = &sized.lists[listing.kind() as usize] else { return };
                 return own.listed.dispatch(&mut compute, build, (listing, set), &made.list, &made.shade, size);
+            }
+            Step::Extra { between } => {
+                let Some(made) = &sized.lists[ListKind::Pixels as usize] else { return };
+                let Some(group) = &made.extra else { return };
+                return own.extra.dispatch(&mut compute, build, (between, set), &made.list, group, size);
             }
             Step::Resolve(_) | Step::View { .. } => return,
         };

@@ -10,9 +10,9 @@ use crate::lattice::{Lattices, Steps};
 use crate::listed;
 use crate::pipeline::{self, Build};
 use crate::rays::RayScene;
-use crate::scratch::{self, List, Scratch};
+use crate::scratch::{self, List, ListKind, Scratch};
 use crate::select::Marks;
-use crate::settings::Settings;
+use crate::settings::{Settings, Technique};
 use crate::traces::Traces;
 
 /// What goes with a size.
@@ -30,7 +30,6 @@ pub(super) struct Sized {
     pub plan: wgpu::BindGroup,
     pub shade: wgpu::BindGroup,
     pub reconstruct: wgpu::BindGroup,
-    pub extra: wgpu::BindGroup,
     /// From the first frame that selects.
     pub select: Option<wgpu::BindGroup>,
     pub resolve: wgpu::BindGroup,
@@ -76,6 +75,8 @@ pub(super) struct SizedList {
     pub list: List,
     pub fill: wgpu::BindGroup,
     pub shade: listed::Bound,
+    /// For [`ListKind::Pixels`].
+    pub extra: Option<wgpu::BindGroup>,
 }
 
 /// What a node that traces holds whatever its size, from the first frame that traces.
@@ -128,7 +129,6 @@ impl Sized {
             plan: pipelines.plan.bind(device, &scratch),
             shade: pipelines.shade.bind(device, &scratch),
             reconstruct: pipelines.reconstruct.bind(device, &scratch),
-            extra: pipelines.extra.bind(device, &scratch),
             select: None,
             resolve: pipelines.resolve.bind(device, &scratch, None),
             view: pipelines.view.bind(device, &scratch),
@@ -153,7 +153,7 @@ impl Sized {
         self.select.get_or_insert_with(|| pipelines.select.bind(&pipelines.build.device, &self.scratch, marks));
     }
 
-    /// Makes the list of an execution that has one, in the first frame that asks for it.
+    /// Makes the list of a frame that has one, in the first frame that asks for it.
     pub fn make_list(&mut self, pipelines: &Pipelines, settings: &Settings) -> Result<(), RecordError> {
         let kind = order(settings, Traced::default()).into_iter().flatten().find_map(|step| match step {
             Step::List(kind) => Some(kind),
@@ -164,7 +164,7 @@ impl Sized {
         let bytes = List::bytes(kind, size, m);
         let largest = bytes.into_iter().max().unwrap_or(0);
         let refused = |bytes, why| {
-            let execution = settings.execution;
+            let execution = (settings.technique != Technique::Selective).then_some(settings.execution);
             Err(RecordError::List { execution, width: size[0], height: size[1], m, bytes, why })
         };
         let limit = binding_limit(device);
@@ -179,6 +179,7 @@ impl Sized {
         self.lists[kind as usize] = Some(SizedList {
             fill: pipelines.lists.bind(device, &self.scratch, &list),
             shade: pipelines.listed.bind(device, &self.scratch, &list),
+            extra: (kind == ListKind::Pixels).then(|| pipelines.extra.bind(device, &self.scratch, &list)),
             list,
         });
         Ok(())

@@ -444,7 +444,7 @@ fn passes_come_in_order_and_read_what_is_written() {
         &["first", "resolve"],
         &["first", "metrics", "plan", "shade", "resolve"],
         &["first", "metrics", "plan", "shade", "resolve"],
-        &["first", "select", "extra", "resolve"],
+        &["first", "select", "list", "extra", "resolve"],
     ];
     let ways = WAYS[..4].iter().chain(&WAYS[8..]).copied();
     for (w, expected) in ways.zip(expected) {
@@ -777,7 +777,7 @@ fn texts() {
     assert_snapshot!(RecordError::HostBindGroup, @"the host's WGSL was built with a bind group layout, the frame has no host_bind_group; set it");
     assert_snapshot!(RecordError::Textures, @"the node was built with a texture tier, the frame has no table; set Frame::textures, an empty table if there are none");
     let why = "the device binds 134217728".into();
-    assert_snapshot!(RecordError::List { execution: Execution::Packed, width, height, m, bytes: 522_547_200, why }, @"Packed at 1920×1080, m = 8 lists up to 522547200 bytes: the device binds 134217728; use Execution::Tiled or Loop, which list nothing");
+    assert_snapshot!(RecordError::List { execution: Some(Execution::Packed), width, height, m, bytes: 522_547_200, why }, @"Packed at 1920×1080, m = 8 lists up to 522547200 bytes: the device binds 134217728; use Execution::Tiled or Loop, which list nothing");
     assert_snapshot!(RecordError::Pipeline(pipeline), @"pass 'first' could not be compiled: Binding 0 is missing; hold the host's bind group layout against its WGSL");
     assert_snapshot!(TableError::Classes { classes: 12, most: 7 }, @"the textures fall into 12 classes of size, format, mip count and sampler, the array tier has 7; resize some to a common size, or use the binding tier");
     assert_snapshot!(TableError::Capacity { textures: 2000, most: 1024 }, @"2000 textures, the table holds 1024; raise Descriptor::texture_capacity");
