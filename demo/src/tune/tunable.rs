@@ -2,8 +2,7 @@
 
 use super::search::{Axis, two_digits};
 use deferred_aa::{
-    ColorReference, DepthMeasure, Enabled, Lattice, LuminanceCurve, MultiResolution, Pattern, Selective, Settings,
-    Technique, Windowed,
+    DepthMeasure, Lattice, LuminanceCurve, MultiResolution, Pattern, Selective, Settings, Technique, Windowed,
 };
 use serde::Serialize;
 use std::fmt::Debug;
@@ -129,14 +128,15 @@ impl Tunable for Windowed {
     }
 }
 
-/// What is reflected and refracted has the thresholds of what is shown.
+/// What is reflected and refracted has the thresholds of what is shown. Those of attributes are searched as parts of colour's, which
+/// counts only where nothing differs, so that the dial turns all of them.
 impl Tunable for Selective {
     const TECHNIQUE: &'static str = "selective";
     const AXES: &'static [Axis] = &[
-        Axis { name: "tau_poid", least: 0.001, most: 1.0 },
-        Axis { name: "tau_psn", least: 0.001, most: 1.0 },
-        Axis { name: "tau_psc", least: 0.001, most: 1.0 },
-        Axis { name: "tau_pte", least: 0.001, most: 1.0 },
+        Axis { name: "tau_poid", least: 0.01, most: 1.0 },
+        Axis { name: "tau_psn", least: 0.01, most: 1.0 },
+        Axis { name: "tau_psc", least: 0.01, most: 1.0 },
+        Axis { name: "tau_pte", least: 0.01, most: 1.0 },
         Axis { name: "contrast_min", least: 0.001, most: 0.1 },
         // Textures shimmer below a half, which no error of a single frame shows.
         Axis { name: "footprint", least: 0.5, most: 1.2 },
@@ -153,16 +153,14 @@ impl Tunable for Selective {
         tau_ssn: 0.02,
         tau_ssc: 0.02,
         tau_ste: 0.1,
-        enabled: Enabled::ALL,
-        reference: ColorReference::Color,
         curve: LuminanceCurve::Perceptual,
         contrast_min: 0.02,
         normal_cosine: 0.95,
         shadow_lights: true,
         bilinear: true,
-        focused: false,
         footprint: 0.5,
         edge_aware_first: true,
+        ..Self::PAPER
     };
 
     fn settings(self) -> Settings {
@@ -170,12 +168,13 @@ impl Tunable for Selective {
     }
 
     fn values(&self) -> Vec<f32> {
-        vec![self.tau_poid, self.tau_psn, self.tau_psc, self.tau_pte, self.contrast_min, self.footprint]
+        let parts = [self.tau_poid, self.tau_psn, self.tau_psc, self.tau_pte].map(|tau| tau / self.tau_col);
+        parts.into_iter().chain([self.contrast_min, self.footprint]).collect()
     }
 
     fn with_values(self, values: &[f64]) -> Self {
         let &[poid, psn, psc, pte, contrast_min, footprint] = values else { return self };
-        let [poid, psn, psc, pte] = [poid, psn, psc, pte].map(|tau| tau as f32);
+        let [poid, psn, psc, pte] = [poid, psn, psc, pte].map(|part| (part * f64::from(self.tau_col)) as f32);
         Self {
             tau_poid: poid,
             tau_psn: psn,
@@ -196,7 +195,8 @@ impl Tunable for Selective {
     }
 
     fn with_dial(self, tau_col: f32) -> Self {
-        Self { tau_col, ..self }
+        let values: Vec<f64> = self.values().into_iter().map(f64::from).collect();
+        Self { tau_col, ..self }.with_values(&values)
     }
 
     fn starts(self) -> Vec<Self> {
@@ -232,7 +232,7 @@ impl Tunable for MultiResolution {
         position_threshold: 0.02,
         curve: LuminanceCurve::Perceptual,
         veto: true,
-        weighted: true,
+        weighted: false,
         footprint: 0.5,
     };
 
@@ -285,17 +285,18 @@ mod tests {
     use super::*;
 
     fn go_there_and_back<T: Tunable>(settings: T) {
-        assert_eq!(settings.with_values(&values(&settings)), settings);
+        assert_eq!(values(&settings.with_values(&values(&settings))), values(&settings));
+        let tree = serde_json::to_value(settings).unwrap();
         for (at, axis) in T::AXES.iter().enumerate() {
+            assert!(tree[axis.name].is_number(), "{}", axis.name);
             let mut moved = values(&settings);
             moved[at] = axis.most;
-            let tree = serde_json::to_value(settings.with_values(&moved)).unwrap();
-            let value = tree[axis.name].as_f64().unwrap();
-            assert!((value - axis.most).abs() < 1e-6 * axis.most, "{}: {value}", axis.name);
+            assert_eq!(values(&settings.with_values(&moved)), moved, "{}", axis.name);
+            assert_ne!(settings.with_values(&moved), settings, "{}", axis.name);
         }
         for dial in T::DIAL {
             let turned = settings.with_dial(dial as f32);
-            assert_eq!((turned.dial(), turned.values()), (dial as f32, settings.values()));
+            assert_eq!((turned.dial(), values(&turned)), (dial as f32, values(&settings)));
             assert_eq!(turned.settings().validate(), Ok(()));
         }
     }
