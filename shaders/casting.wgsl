@@ -46,7 +46,8 @@ struct DaaCasting {
 const DAA_TILES_SURFACE: u32 = 0u;
 const DAA_TILES_BOUNCE: u32 = 1u;
 
-/// A pixel, and the ranks from `first` to before `end` of it, those of some quadrants alone. Of points: a cell, and the chosen of it.
+/// A pixel, and the ranks from `first` to before `end` of it, those of some quadrants alone. Of points: a lane, counted
+/// through all workgroups, and a bit for each chosen one of its points.
 struct DaaRanks {
     pixel: vec2u,
     first: u32,
@@ -83,9 +84,9 @@ fn daa_caster(ranks: DaaRanks, i: u32) -> DaaCaster {
 /// None past the edges of the image, nor past the end of the list of the tiles of this kind.
 fn daa_ranks(group: vec2u, lane: u32, kind: u32) -> DaaRanks {
     if daa_casting.samples == DAA_SAMPLES_POINTS {
-        let cell = group * 8u + vec2u(lane & 7u, lane >> 3u);
-        let chosen = daa_chosen_points(daa_casting.step, cell);
-        return DaaRanks(cell, 0u, countOneBits(chosen), chosen);
+        let own = group * 8u + vec2u(lane & 7u, lane >> 3u);
+        let chosen = daa_chosen_points(daa_casting.step, own);
+        return DaaRanks(own, 0u, countOneBits(chosen), chosen);
     }
     var tile = group;
     if daa_casting.samples == DAA_SAMPLES_AUDITED {

@@ -1,11 +1,22 @@
-// The chosen points of a lattice: a lane has those of a cell of 2 × 2. Joined with lattice.wgsl; `daa_wants` and `daa_begin` are the pass's own.
+// The chosen points of a lattice: a workgroup has a block, of which each lane has every eighth point along either side. Lanes side by
+// side have points side by side, so what is chosen in clusters is spread evenly. Joined with lattice.wgsl; `daa_wants` and `daa_begin`
+// are the pass's own.
 
-/// A bit for each that is chosen and wanted.
-fn daa_chosen_points(step: DaaStep, cell: vec2u) -> u32 {
+/// Points of a lane along one side of a block: `points::BLOCK` over 8.
+const DAA_LANE_SIDE: u32 = 4u;
+
+/// A lane's i-th point. Of each 2 × 2 one is that of a coarser lattice, and not chosen again: a lane has all four alike.
+fn daa_lane_point(lane: vec2u, i: u32) -> vec2i {
+    let place = vec2u(i % DAA_LANE_SIDE, i / DAA_LANE_SIDE);
+    return vec2i(((lane >> vec2u(3u)) * DAA_LANE_SIDE + place) * 8u + ((lane & vec2u(7u)) ^ (place & vec2u(1u))));
+}
+
+/// A bit for each of a lane's points that is chosen and wanted. Lanes are counted through all workgroups.
+fn daa_chosen_points(step: DaaStep, lane: vec2u) -> u32 {
     let l = step.points;
     var chosen = 0u;
-    for (var i = 0u; i < 4u; i++) {
-        let at = vec2i(cell * 2u + vec2u(i & 1u, i >> 1u));
+    for (var i = 0u; i < DAA_LANE_SIDE * DAA_LANE_SIDE; i++) {
+        let at = daa_lane_point(lane, i);
         if at.x >= i32(l.width) || at.y >= i32(l.height) {
             continue;
         }
@@ -25,11 +36,10 @@ fn daa_chosen_points(step: DaaStep, cell: vec2u) -> u32 {
 }
 
 /// The i-th of them.
-fn daa_chosen_at(cell: vec2u, chosen: u32, i: u32) -> vec2i {
+fn daa_chosen_at(lane: vec2u, chosen: u32, i: u32) -> vec2i {
     var left = chosen;
     for (var passed = 0u; passed < i; passed++) {
         left &= left - 1u;
     }
-    let place = firstTrailingBit(left);
-    return vec2i(cell * 2u + vec2u(place & 1u, place >> 1u));
+    return daa_lane_point(lane, firstTrailingBit(left));
 }

@@ -18,7 +18,7 @@ pub(crate) fn info(place: Place, traced: bool) -> PassInfo {
 }
 
 /// Points along one side of a workgroup's block.
-pub(crate) const BLOCK: u32 = 16;
+pub(crate) const BLOCK: u32 = 32;
 
 #[derive(Debug)]
 pub(crate) struct Points {

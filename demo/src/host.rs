@@ -4,12 +4,13 @@ use crate::gpu::Gpu;
 use crate::picture::Picture;
 use crate::raster::{Raster, node_camera};
 use crate::rays::{self, Rays};
-use crate::scene::{Camera, Material, Scene};
+use crate::scene::{Camera, Material, Scene, Sun};
 use crate::upload::{GpuScene, UploadError};
 use deferred_aa::rays::{RayError, RayTier};
+use glam::Vec3;
 use deferred_aa::{
     BuildError, CastingLight, DebugView, DeferredAa, Descriptor, Effect, Frame, GBuffer, Needs, ObjectImportance,
-    RecordError, Settings, Shading, SizeError, Statistics, Technique, TextureTier,
+    Pass, RecordError, Settings, Shading, SizeError, Statistics, Technique, TextureTier,
 };
 
 /// Of the target: linear HDR, as most engines have it.
@@ -197,11 +198,10 @@ impl Host {
             usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        let sun = scene.sun.map_or(([0.0, 1.0, 0.0], [0.0; 3]), |s| (s.to_sun.to_array(), s.irradiance.to_array()));
         let values = Lighting {
-            to_sun: sun.0,
+            to_sun: [0.0; 3],
             light_count: uploaded.light_count,
-            sun: sun.1,
+            sun: [0.0; 3],
             stall: options.stall.max(1),
             zenith: scene.sky.zenith.extend(0.0).to_array(),
             horizon: scene.sky.horizon.extend(0.0).to_array(),
@@ -209,7 +209,6 @@ impl Host {
             camera: [0.0; 3],
             sun_casts: rays::sun_bit(&scene),
         };
-        gpu.queue.write_buffer(&lighting, 0, bytemuck::bytes_of(&values));
         let host_bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("shading"),
             layout: &layout,
@@ -220,7 +219,8 @@ impl Host {
             ],
         });
         let (target, target_view) = target(device, options.width, options.height);
-        let host = Self {
+        let sun = scene.sun;
+        let mut host = Self {
             aa,
             bouncing: rays::bouncing(&scene),
             textured: textured(&scene),
@@ -237,6 +237,7 @@ impl Host {
             target_view,
             gpu,
         };
+        host.set_sun(sun);
         host.complaints()?;
         Ok(host)
     }
@@ -319,6 +320,13 @@ impl Host {
         self.aa.is_ready(&settings, &Needs { shadows: &shadows, bounces: &self.bouncing, ..Default::default() })
     }
 
+    /// The passes of a frame with these settings.
+    pub fn passes(&self, settings: &Settings) -> Vec<Pass> {
+        let shadows = self.casting(settings.shadows);
+        let needs = Needs { shadows: &shadows, bounces: &self.bouncing, ..Default::default() };
+        DeferredAa::passes(settings, &needs).collect()
+    }
+
     /// The lights that cast shadows in a frame: those of the scene that do, and the sun if it does or is asked to.
     fn casting(&self, shadows: Effect) -> Vec<CastingLight> {
         match shadows {
@@ -340,6 +348,14 @@ impl Host {
     pub fn set_stall(&mut self, stall: u32) {
         self.options.stall = stall.max(1);
         self.lighting_values.stall = self.options.stall;
+    }
+
+    /// Lights the scene with this sun from the next frame on, or with none.
+    pub fn set_sun(&mut self, sun: Option<Sun>) {
+        self.scene.sun = sun;
+        let (to_sun, irradiance) = sun.map_or((Vec3::Y, Vec3::ZERO), |s| (s.to_sun, s.irradiance));
+        self.lighting_values.to_sun = to_sun.to_array();
+        self.lighting_values.sun = irradiance.to_array();
     }
 
     /// Lights the scene with its first `count` lights only, from the next frame on.
@@ -408,13 +424,17 @@ impl Host {
         match (technique, self.aa.intermediates()) {
             (Technique::Full, _) => uniform(self.options.m * self.options.m),
             (Technique::Single, _) | (_, None) => uniform(1),
-            (_, Some(passed)) => {
-                let bytes = self.gpu.read_buffer(passed.plan);
-                let plan: Vec<u32> = bytemuck::pod_collect_to_vec(&bytes);
-                let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-                pixels.map(|(x, y)| plan[passed.plan_index(x, y)] & 0xff).collect()
-            }
+            (_, Some(_)) => self.plan().into_iter().map(|word| word & 0xff).collect(),
         }
+    }
+
+    /// The last frame's plan, rows from the top: [`deferred_aa::Intermediates::plan`]. Waits.
+    pub fn plan(&self) -> Vec<u32> {
+        let Some(passed) = self.aa.intermediates() else { return Vec::new() };
+        let plan: Vec<u32> = bytemuck::pod_collect_to_vec(&self.gpu.read_buffer(passed.plan));
+        let (width, height) = (self.options.width, self.options.height);
+        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        pixels.map(|(x, y)| plan[passed.plan_index(x, y)]).collect()
     }
 
     /// [`counts`](Self::counts) of the last frame, which had these settings; its picture is gone then.
@@ -445,10 +465,10 @@ fn textured(scene: &Scene) -> Vec<u32> {
 }
 
 /// The unit vector of a 16+16-bit code of the G-buffer.
-pub(crate) fn octahedral(code: u32) -> glam::Vec3 {
+pub(crate) fn octahedral(code: u32) -> Vec3 {
     let snorm = |c: u32| (f32::from(c as u16 as i16) / 32767.0).max(-1.0);
     let (x, y) = (snorm(code), snorm(code >> 16));
     let z = 1.0 - x.abs() - y.abs();
     let fold = |a: f32, b: f32| if z >= 0.0 { a } else { (1.0 - b.abs()).copysign(a) };
-    glam::Vec3::new(fold(x, y), fold(y, x), z).normalize_or(glam::Vec3::Z)
+    Vec3::new(fold(x, y), fold(y, x), z).normalize_or(Vec3::Z)
 }

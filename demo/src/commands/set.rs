@@ -29,7 +29,7 @@ pub fn apply(settings: Settings, assignments: &[String]) -> Result<Settings, Com
         *place = match value {
             "on" if place.is_boolean() => Value::Bool(true),
             "off" if place.is_boolean() => Value::Bool(false),
-            _ => serde_json::from_str(value).unwrap_or_else(|_| Value::String(value.to_owned())),
+            _ => serde_json::from_str(value).unwrap_or_else(|_| number(value).unwrap_or_else(|| value.into())),
         };
         // At once, so that the message names the assignment at fault.
         let settings: Settings = serde_json::from_value(tree.clone()).map_err(|e| wrong(e.to_string()))?;
@@ -37,6 +37,11 @@ pub fn apply(settings: Settings, assignments: &[String]) -> Result<Settings, Com
     }
     serde_json::from_value(tree)
         .map_err(|e| CommandError::Argument { argument: "--set".to_owned(), problem: e.to_string() })
+}
+
+/// As people write numbers and JSON does not: .05, 5., +5.
+fn number(text: &str) -> Option<Value> {
+    text.parse::<f64>().ok().and_then(serde_json::Number::from_f64).map(Value::Number)
 }
 
 /// Of all settings and groups of them, groups first.
@@ -77,6 +82,9 @@ mod tests {
         assert_eq!(s.execution, Execution::Loop);
         assert!(s.windowed.two_sided);
         assert_eq!(set(&["shadows=on"]).unwrap().shadows, Effect::On);
+        for number in [".5", "0.5", "+0.5", "5e-1"] {
+            assert_eq!(set(&[&format!("windowed.luminance_edge={number}")]).unwrap().windowed.luminance_edge, 0.5);
+        }
         assert_eq!(set(&["shadows=off", "shadows=auto"]).unwrap().shadows, Effect::Auto);
     }
 
