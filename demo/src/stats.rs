@@ -83,6 +83,18 @@ pub struct Memory {
     peak: Option<u64>,
 }
 
+impl Memory {
+    /// Of the G-buffer.
+    pub fn gbuffer(&self) -> u64 {
+        self.gbuffer
+    }
+
+    /// Of all else.
+    pub fn others(&self) -> u64 {
+        self.scratch + self.rays
+    }
+}
+
 /// How near an image comes to what it stands for.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Against {

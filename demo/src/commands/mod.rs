@@ -6,6 +6,7 @@ mod render;
 mod report;
 mod set;
 mod tune;
+mod view;
 
 use crate::gpu::{self, Gpu, GpuError};
 use crate::host::{self, Host, HostError, Options};
@@ -16,6 +17,8 @@ use crate::raster::look_at;
 use crate::report::ReportError;
 use crate::scene::load::LoadError;
 use crate::scene::{Camera, Scene, builtin, load};
+use crate::settings_file::SettingsFileError;
+use crate::view::ViewError;
 use deferred_aa::rays::RayTier;
 use deferred_aa::{Preset, Technique, TextureTier};
 use glam::Vec3;
@@ -39,6 +42,8 @@ enum Command {
     Report(report::Report),
     /// Searches the settings of a technique for presets that reach given errors with the fewest samples on several scenes.
     Tune(tune::Tune),
+    /// Opens a window: every setting on a control, two of them side by side, what each costs and how near it comes, live.
+    View(view::View),
     /// Lists the graphics adapters and what each can run.
     Adapters,
 }
@@ -64,6 +69,12 @@ pub enum CommandError {
     /// The report.
     #[error(transparent)]
     Report(#[from] ReportError),
+    /// The window.
+    #[error(transparent)]
+    View(#[from] ViewError),
+    /// A settings file.
+    #[error(transparent)]
+    Settings(#[from] SettingsFileError),
     /// Something on the command line.
     #[error("{argument}: {problem}")]
     Argument {
@@ -90,6 +101,7 @@ impl Cli {
             Command::Demo(demo) => demo.run(),
             Command::Report(report) => report.run(),
             Command::Tune(tune) => tune.run(),
+            Command::View(view) => view.run(),
             Command::Adapters => {
                 adapters::run();
                 Ok(())

@@ -1,0 +1,177 @@
+//! One side of the divider: its settings, what it shows, what it cost.
+
+use super::judge::Verdict;
+use super::worker::{Rendered, View};
+use crate::host::Shot;
+use crate::quality::Quality;
+use crate::stats::{Spread, times};
+use deferred_aa::{Preset, Settings};
+use egui::{ColorImage, Context, TextureHandle, TextureOptions};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// Changes of one setting within this are one step of undo.
+const ONE_STEP: Duration = Duration::from_millis(700);
+
+/// Most frames whose times are kept.
+const MOST_SHOTS: usize = 64;
+
+/// Of the two.
+#[derive(Default)]
+pub struct Side {
+    /// As they stand on the controls.
+    pub settings: Settings,
+    past: Vec<Settings>,
+    future: Vec<Settings>,
+    last_change: Option<(String, Instant)>,
+    /// The last picture.
+    pub rendered: Option<Box<Rendered>>,
+    /// Of the same picture, each with its times.
+    pub shots: Vec<Shot>,
+    /// Against the present reference.
+    pub quality: Option<Quality>,
+    /// Why the settings on the controls are not those of the picture.
+    pub refused: Option<String>,
+    /// The picture.
+    pub texture: Option<TextureHandle>,
+    /// Where it is wrong.
+    pub error: Option<TextureHandle>,
+}
+
+impl Side {
+    /// With these settings.
+    pub fn new(settings: Settings) -> Self {
+        Self { settings, ..Self::default() }
+    }
+
+    /// Changes them; `path` is of the control, so that a slider's way is one step of undo.
+    pub fn set(&mut self, settings: Settings, path: &str) {
+        if settings == self.settings {
+            return;
+        }
+        let now = Instant::now();
+        let goes_on = self.last_change.as_ref().is_some_and(|(last, at)| last == path && now - *at < ONE_STEP);
+        if !goes_on {
+            self.past.push(self.settings);
+        }
+        self.future.clear();
+        self.last_change = Some((path.to_owned(), now));
+        self.settings = settings;
+        self.refused = None;
+    }
+
+    /// One step back; whether there was one.
+    pub fn undo(&mut self) -> bool {
+        let Some(before) = self.past.pop() else { return false };
+        self.future.push(std::mem::replace(&mut self.settings, before));
+        (self.last_change, self.refused) = (None, None);
+        true
+    }
+
+    /// And forth again.
+    pub fn redo(&mut self) -> bool {
+        let Some(after) = self.future.pop() else { return false };
+        self.past.push(std::mem::replace(&mut self.settings, after));
+        (self.last_change, self.refused) = (None, None);
+        true
+    }
+
+    /// Steps that can be taken back, and forth.
+    pub fn steps(&self) -> (usize, usize) {
+        (self.past.len(), self.future.len())
+    }
+
+    /// What a setting is reset to.
+    pub fn defaults() -> Settings {
+        Preset::default().settings()
+    }
+
+    /// A new picture.
+    pub fn show(&mut self, ctx: &Context, name: &str, rendered: Box<Rendered>) {
+        let size = [rendered.picture.width as usize, rendered.picture.height as usize];
+        let is_image = super::worker::is_image(&rendered.settings);
+        let rgb: Vec<u8> = if is_image {
+            rendered.picture.to_srgb8().into_iter().flatten().collect()
+        } else {
+            // A debug view is made of displayable values.
+            let shown = |c: &[f32; 4]| [c[0], c[1], c[2]].map(|v| (v.clamp(0.0, 1.0) * 255.0 + 0.5) as u8);
+            rendered.picture.rgba.iter().flat_map(shown).collect()
+        };
+        set_texture(&mut self.texture, ctx, name, ColorImage::from_rgb(size, &rgb));
+        self.shots = vec![rendered.shot.clone()];
+        (self.quality, self.error, self.refused) = (None, None, None);
+        self.rendered = Some(rendered);
+    }
+
+    /// One more frame of it.
+    pub fn measured(&mut self, view: &Arc<View>, settings: &Settings, shot: Shot) {
+        let same = |r: &Rendered| Arc::ptr_eq(&r.view, view) && r.settings == *settings;
+        if self.rendered.as_deref().is_some_and(same) && self.shots.len() < MOST_SHOTS {
+            self.shots.push(shot);
+        }
+    }
+
+    /// Takes a verdict that is of its present picture; whether it is.
+    pub fn judged(&mut self, ctx: &Context, name: &str, verdict: &Verdict) -> bool {
+        let own = self.rendered.as_deref().is_some_and(|r| Arc::ptr_eq(&r.picture, &verdict.case.picture));
+        if !own {
+            return false;
+        }
+        self.quality = verdict.quality.as_ref().ok().copied();
+        let size = [verdict.case.picture.width as usize, verdict.case.picture.height as usize];
+        let rgb: Vec<u8> = verdict.error.iter().flatten().copied().collect();
+        set_texture(&mut self.error, ctx, name, ColorImage::from_rgb(size, &rgb));
+        true
+    }
+
+    /// Milliseconds by pass, over the measured frames. The first one may have been compiled for, and is left out of several.
+    pub fn times(&self) -> BTreeMap<String, Spread> {
+        times(&self.shots[usize::from(self.shots.len() > 2)..])
+    }
+
+    /// Of the node's passes, the median.
+    pub fn node_ms(&self) -> Option<f64> {
+        self.times().get("node").map(|spread| spread.median)
+    }
+}
+
+fn set_texture(texture: &mut Option<TextureHandle>, ctx: &Context, name: &str, image: ColorImage) {
+    // Pixels are to be seen as they are.
+    let options = TextureOptions::NEAREST;
+    match texture {
+        Some(texture) => texture.set(image, options),
+        None => *texture = Some(ctx.load_texture(name, image, options)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use deferred_aa::Technique;
+
+    #[test]
+    fn changes_can_be_taken_back() {
+        let with = |scale: f32| {
+            let mut settings = Settings::default();
+            settings.windowed.luminance_scale = scale;
+            settings
+        };
+        let mut side = Side::new(with(1.0));
+        // A slider on its way, then another control.
+        side.set(with(2.0), "windowed.luminance_scale");
+        side.set(with(3.0), "windowed.luminance_scale");
+        let other = Settings { technique: Technique::Full, ..with(3.0) };
+        side.set(other, "technique");
+        assert_eq!(side.steps(), (2, 0));
+        assert!(side.undo());
+        assert_eq!(side.settings, with(3.0));
+        assert!(side.undo());
+        assert_eq!(side.settings, with(1.0));
+        assert!(!side.undo() && side.redo() && side.redo() && !side.redo());
+        assert_eq!(side.settings, other);
+        side.undo();
+        side.set(with(5.0), "windowed.luminance_scale");
+        assert_eq!(side.steps().1, 0);
+    }
+}
