@@ -72,8 +72,9 @@ fn daa_map_main(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocation_in
         count = k | ((by | (((word >> 4u) & 7u) << 4u) | (own << 7u)) << 8u);
     }
     let slot = (tile.y * daa_frame.tiles_x + tile.x) * 64u + lane;
-    daa_counts[slot] = count;
-    if !supersampled {
+    if supersampled {
+        daa_counts[slot] = count;
+    } else {
         daa_plan[slot] = count;
     }
 }

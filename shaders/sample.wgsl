@@ -77,7 +77,8 @@ fn daa_fetch(pixel: vec2u, rank: u32, footprint: f32, offset: vec2f) -> DaaSampl
     s.uv = bitcast<vec2f>(uv.xy) + ddx * offset.x + ddy * offset.y;
     s.ddx = ddx * footprint;
     s.ddy = ddy * footprint;
-    s.shadow = daa_shadow_bits(pixel, rank);
+    // Tiles of nothing but sky are not traced.
+    s.shadow = select(0u, daa_shadow_bits(pixel, rank), valid);
     let code = daa_secondary_code(pixel, rank);
     let apart = (daa_frame.flags & DAA_FLAG_SECONDARY_APART) != 0u;
     s.secondary = select(daa_radiance_decode(code), vec3f(0.0), apart);

@@ -32,6 +32,16 @@ impl Listing {
             Self::Packed => ListKind::Samples,
         }
     }
+
+    /// What `shade` reads and writes.
+    pub fn info(self, traced: bool) -> PassInfo {
+        let info = if traced { INFO_TRACED } else { INFO };
+        match self {
+            Self::Bucketed | Self::Sorted => info,
+            // The colours of a batch lie beside the list.
+            Self::Packed => PassInfo { writes: &[Resource::Color, Resource::List, Resource::Statistics], ..info },
+        }
+    }
 }
 
 /// Group 3 of each pipeline.

@@ -3,7 +3,7 @@
 use crate::effects::Traced;
 use crate::lattice::{self, Place, Use};
 use crate::list;
-use crate::listed::{self, Listing};
+use crate::listed::Listing;
 use crate::pipeline::PassInfo;
 use crate::resolve::Source;
 use crate::scratch::ListKind;
@@ -223,8 +223,7 @@ impl Step {
             Self::Select if traced => select::INFO_TRACED,
             Self::Select => select::INFO,
             Self::List(_) => list::INFO,
-            Self::Listed(_) if traced => listed::INFO_TRACED,
-            Self::Listed(_) => listed::INFO,
+            Self::Listed(listing) => listing.info(traced),
             Self::Shade(Variant::Full) if traced => shade::INFO_FULL_TRACED,
             Self::Shade(Variant::Full) => shade::INFO_FULL,
             Self::Shade(_) if traced => shade::INFO_TRACED,
