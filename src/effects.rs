@@ -100,6 +100,11 @@ impl Traced {
     pub fn any(self) -> bool {
         self.shadows || self.secondary
     }
+
+    /// `rays` of [`Steps::new`](crate::lattice::Steps::new).
+    pub fn rays(self) -> u32 {
+        u32::from(self.shadows) | u32::from(self.secondary) << 1
+    }
 }
 
 /// `DaaCastingLight` of trace.wgsl.

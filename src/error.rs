@@ -1,6 +1,7 @@
 //! What can go wrong, where, and what to do about it.
 
 use crate::rays::RayTier;
+use crate::resources::Part;
 use crate::settings::{Execution, Pattern};
 use std::fmt;
 
@@ -97,6 +98,88 @@ pub enum SizeError {
     },
 }
 
+/// [`DeferredAa::lend`](crate::DeferredAa::lend) took nothing: all is as it was.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum LendError {
+    /// No [`resize`](crate::DeferredAa::resize) has succeeded yet.
+    #[error("the node has no size yet; call resize before lend")]
+    NoSize,
+    /// Its content is not the frame's alone.
+    #[error("{0:?} can't be lent: its content lives across frames, or is the host's already; leave it out")]
+    NotLendable(Part),
+    /// Two loans for one part.
+    #[error("{0:?} is lent twice; lend it once")]
+    Twice(Part),
+    /// One buffer or texture for two parts that a pass binds together.
+    #[error("{part:?} and {other:?} are lent the same memory, but passes bind both at once; lend each its own")]
+    Together {
+        /// The later one.
+        part: Part,
+        /// The one before.
+        other: Part,
+    },
+    /// A buffer for a texture, or the other way.
+    #[error("{part:?} is a {needed}; lend it one")]
+    Kind {
+        /// What it is lent for.
+        part: Part,
+        /// `texture` or `buffer`.
+        needed: &'static str,
+    },
+    /// A texture of another format.
+    #[error("{part:?} is lent a texture of {lent:?}; it needs {needed:?}")]
+    Format {
+        /// What it is lent for.
+        part: Part,
+        /// Of the texture.
+        lent: wgpu::TextureFormat,
+        /// Of the part.
+        needed: wgpu::TextureFormat,
+    },
+    /// A texture of another shape.
+    #[error("{part:?} needs a 2D texture of {width}×{height} with one layer, mip level and sample; lend it such a one")]
+    Extent {
+        /// What it is lent for.
+        part: Part,
+        /// Texels.
+        width: u32,
+        /// Texels.
+        height: u32,
+    },
+    /// A texture that lacks usages.
+    #[error("{part:?} is lent a texture without {missing:?}; create it with that usage")]
+    TextureUsage {
+        /// What it is lent for.
+        part: Part,
+        /// What it lacks.
+        missing: wgpu::TextureUsages,
+    },
+    /// A buffer that lacks usages.
+    #[error("{part:?} is lent a buffer without {missing:?}; create it with that usage")]
+    BufferUsage {
+        /// What it is lent for.
+        part: Part,
+        /// What it lacks.
+        missing: wgpu::BufferUsages,
+    },
+    /// A buffer that is too small, or more than the device binds.
+    #[error("{part:?} is lent {lent} bytes; it needs {needed}, and the device binds {limit} at most")]
+    Bytes {
+        /// What it is lent for.
+        part: Part,
+        /// Of the buffer.
+        lent: u64,
+        /// At least.
+        needed: u64,
+        /// At most.
+        limit: u64,
+    },
+    /// wgpu refused to bind it, or had no memory for what is not lent any more.
+    #[error("the device refused: {0}; lend what was made by the node's own device")]
+    Refused(String),
+}
+
 /// [`DeferredAa::record`](crate::DeferredAa::record) recorded nothing.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -140,6 +223,9 @@ pub enum RecordError {
     /// The target lacks `RENDER_ATTACHMENT`.
     #[error("the target can't be rendered to; create it with TextureUsages::RENDER_ATTACHMENT")]
     TargetUsage,
+    /// The target is multisampled.
+    #[error("the target has {0} samples a pixel, the node writes one; render into a texture with sample_count = 1")]
+    TargetSamples(u32),
     /// The host's WGSL has a group, the frame has none.
     #[error("the host's WGSL was built with a bind group layout, the frame has no host_bind_group; set it")]
     HostBindGroup,
@@ -282,6 +368,16 @@ pub enum RecordError {
         bytes: u64,
         /// The limit that one exceeds, or what the driver said.
         why: String,
+    },
+    /// What was lent is too small for this frame.
+    #[error("{part:?} was lent {lent} bytes, this frame needs {needed}; lend as much, or none")]
+    Lent {
+        /// What it was lent for.
+        part: Part,
+        /// Of the buffer.
+        lent: u64,
+        /// At least.
+        needed: u64,
     },
     /// A pipeline was refused.
     #[error(transparent)]

@@ -258,6 +258,15 @@ impl FrameUniform {
 }
 
 impl Camera {
+    /// Whether depth falls with the distance. Of a sound camera.
+    pub(crate) fn is_reversed(&self) -> bool {
+        let depth = |distance: f64| {
+            let clip = self.clip_from_view.as_dmat4() * DVec4::new(0.0, 0.0, -distance, 1.0);
+            clip.z / clip.w
+        };
+        depth(1.0) > depth(2.0)
+    }
+
     fn is_orthographic(&self) -> bool {
         self.clip_from_view.row(3) == glam::Vec4::W
     }

@@ -11,6 +11,9 @@
 //! samples: the rasteriser takes them inside one triangle, so no material or UV seam can smear. Clear colour to 0 and depth
 //! to 0; write depth where greater.
 
+use crate::loans::Loans;
+use crate::resources::Part;
+
 /// Formats of the colour targets, in the order of `DaaGBuffer`'s locations.
 pub const COLOR_FORMATS: [wgpu::TextureFormat; 3] =
     [wgpu::TextureFormat::Rg32Uint, wgpu::TextureFormat::Rg32Uint, wgpu::TextureFormat::Rgba32Uint];
@@ -41,9 +44,16 @@ pub struct GBuffer {
 }
 
 impl GBuffer {
-    pub(crate) fn new(device: &wgpu::Device, width: u32, height: u32) -> Self {
-        let view = |label, format| {
-            let texture = device.create_texture(&wgpu::TextureDescriptor {
+    /// Of what is lent, and of old attachments by [`Part::GBUFFER`].
+    pub(crate) fn new(
+        device: &wgpu::Device,
+        width: u32,
+        height: u32,
+        loans: &Loans,
+        old: [Option<&wgpu::TextureView>; 4],
+    ) -> Self {
+        let view = |index: usize, label, format| {
+            let descriptor = wgpu::TextureDescriptor {
                 label: Some(label),
                 size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
                 mip_level_count: 1,
@@ -54,18 +64,18 @@ impl GBuffer {
                     | wgpu::TextureUsages::TEXTURE_BINDING
                     | wgpu::TextureUsages::COPY_SRC,
                 view_formats: &[],
-            });
-            texture.create_view(&wgpu::TextureViewDescriptor::default())
+            };
+            loans.texture_or(Part::GBUFFER[index], device, &descriptor, old[index])
         };
         Self {
             width,
             height,
             color: [
-                view("daa gbuffer surface", COLOR_FORMATS[0]),
-                view("daa gbuffer frame", COLOR_FORMATS[1]),
-                view("daa gbuffer uv", COLOR_FORMATS[2]),
+                view(0, "daa gbuffer surface", COLOR_FORMATS[0]),
+                view(1, "daa gbuffer frame", COLOR_FORMATS[1]),
+                view(2, "daa gbuffer uv", COLOR_FORMATS[2]),
             ],
-            depth: view("daa gbuffer depth", DEPTH_FORMAT),
+            depth: view(3, "daa gbuffer depth", DEPTH_FORMAT),
         }
     }
 

@@ -1,6 +1,8 @@
 //! Lattices of points over the G-buffer: which a frame goes through, and what is kept of them. Geometry: lattice.wgsl.
 
+use crate::loans::Loans;
 use crate::pipeline::entry;
+use crate::resources::Part;
 use crate::settings::{MultiResolution, Pattern};
 
 /// `DAA_EQUILATERAL_ROW` of lattice.wgsl: the height of an equilateral triangle of side 1, in 65536ths.
@@ -192,12 +194,17 @@ pub(crate) struct Lattices {
 }
 
 impl Lattices {
-    pub fn new(device: &wgpu::Device, [points, colors]: [u64; 2]) -> Self {
-        let buffer = |label, size| {
+    pub const PARTS: [Part; 2] = [Part::LatticePoints, Part::LatticeColors];
+
+    pub fn new(device: &wgpu::Device, [points, colors]: [u64; 2], loans: &Loans) -> Self {
+        let buffer = |part, label, size| {
             let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
-            device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false })
+            loans.buffer_or(part, device, label, size, usage)
         };
-        Self { points: buffer("daa points", points), colors: buffer("daa lattice colors", colors) }
+        Self {
+            points: buffer(Part::LatticePoints, "daa points", points),
+            colors: buffer(Part::LatticeColors, "daa lattice colors", colors),
+        }
     }
 
     /// Whether so much fits.
@@ -205,9 +212,9 @@ impl Lattices {
         self.points.size() >= points && self.colors.size() >= colors
     }
 
-    /// Bytes held.
-    pub fn held(&self) -> u64 {
-        self.points.size() + self.colors.size()
+    /// Bytes held that are not lent.
+    pub fn held(&self, loans: &Loans) -> u64 {
+        loans.own(Part::LatticePoints, self.points.size()) + loans.own(Part::LatticeColors, self.colors.size())
     }
 }
 

@@ -33,7 +33,8 @@ macro_rules! refined {
     };
 }
 const REFINE: &str = refined!("../shaders/lattice_colors.wgsl", "../shaders/refine.wgsl");
-const PLAIN: [(&str, &str); 11] = [
+const PLAIN: [(&str, &str); 12] = [
+    ("check", include_str!("../shaders/check.wgsl")),
     ("classify", include_str!("../shaders/classify.wgsl")),
     ("list", concat!(include_str!("../shaders/work.wgsl"), "\n", include_str!("../shaders/list.wgsl"))),
     ("max_filter", include_str!("../shaders/max_filter.wgsl")),

@@ -36,6 +36,7 @@
 
 mod audit;
 mod bounce;
+mod check;
 mod classify;
 mod effects;
 mod error;
@@ -49,6 +50,7 @@ mod lattice;
 mod layouts;
 mod list;
 mod listed;
+mod loans;
 mod map;
 mod max_filter;
 mod metrics;
@@ -65,6 +67,7 @@ pub mod reference;
 mod refine;
 mod requirements;
 mod resolve;
+mod resources;
 mod scratch;
 mod select;
 mod settings;
@@ -77,16 +80,20 @@ mod view;
 mod wgsl;
 pub mod window;
 
+pub use check::{InputCounts, InputMistake, InputReport, Normal, NormalCounts};
 pub use effects::{CastingLight, MAX_CASTING_LIGHTS, Needs, ObjectImportance};
 pub use error::{
-    BuildError, PipelineError, RecordError, SettingsError, ShadingError, ShadingErrorKind, SizeError, TableError,
+    BuildError, LendError, PipelineError, RecordError, SettingsError, ShadingError, ShadingErrorKind, SizeError,
+    TableError,
 };
 pub use frame::{Camera, Frame};
 pub use gbuffer::GBuffer;
 pub use goal::{GoalProgress, GoalState};
+pub use loans::{Lent, Physical};
 pub use node::{DeferredAa, Descriptor, Intermediates, Pass, Recording, Shading};
 pub use pipeline::{PassInfo, Resource};
 pub use requirements::{Memory, Requirements};
+pub use resources::{Lifetime, Part, PartInfo, PartKind};
 pub use settings::{
     ColorReference, DebugView, DepthMeasure, Effect, Enabled, Execution, Goal, Lattice, LuminanceCurve,
     MultiResolution, Pattern, Preset, Reconstructed, Selective, Settings, Technique, Weight, Windowed,

@@ -37,14 +37,28 @@ pub enum Resource {
     Target,
 }
 
+impl Resource {
+    /// Passes only add to it, in any order to the same sums: two that write it may be swapped, or overlap.
+    pub fn is_unordered(self) -> bool {
+        self == Self::Statistics
+    }
+}
+
 /// What a pass is called, reads and writes.
+///
+/// A graph may record passes in another order than [`passes`](crate::DeferredAa::passes) has, as long as for each resource that
+/// is not [unordered](Resource::is_unordered) each write stays behind the reads and writes before it, and each read behind the
+/// writes before it. It may leave out a pass if nobody reads what that writes: behind [`Frame::statistics`] and
+/// [`Settings::goal`](crate::Settings::goal) somebody reads [`Resource::Statistics`].
+///
+/// [`Frame::statistics`]: crate::Frame::statistics
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PassInfo {
     /// As in `stats.json` and in timings.
     pub name: &'static str,
     /// What must be finished before.
     pub reads: &'static [Resource],
-    /// What it changes.
+    /// What it changes. The rest of a resource stays as earlier passes have written it.
     pub writes: &'static [Resource],
 }
 
@@ -210,12 +224,14 @@ impl Build {
         let made = make();
         match ready(scope.pop()) {
             None => Ok(made),
-            Some(e) => {
-                let message = e.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
-                Err(PipelineError { pass, message })
-            }
+            Some(e) => Err(PipelineError { pass, message: one_line(&e) }),
         }
     }
+}
+
+/// What wgpu said.
+pub(crate) fn one_line(error: &wgpu::Error) -> String {
+    error.to_string().split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 /// The outcome of an error scope. On native backends it is there at once; in a browser it comes later, and the error goes

@@ -1,6 +1,8 @@
 //! What the node holds for one size: the images and buffers between its passes.
 
 use crate::gbuffer::{BYTES_PER_SAMPLE, GBuffer};
+use crate::loans::Loans;
+use crate::resources::Part;
 use crate::{TILE, statistics};
 
 /// Format of S and of the shaded image: f32, so that the linear mean is exact to f32 and 65520 is a number.
@@ -72,18 +74,19 @@ impl List {
         [rows, entries * 4, u64::from(parts + 1) * WORK_BYTES, colors]
     }
 
-    pub fn new(device: &wgpu::Device, kind: ListKind, size: [u32; 2], m: u32) -> Self {
-        let buffer = |label, size, usage| {
+    pub fn new(device: &wgpu::Device, kind: ListKind, size: [u32; 2], m: u32, loans: &Loans) -> Self {
+        let buffer = |part, label, size, usage| {
             let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | usage;
-            device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false })
+            loans.buffer_or(part, device, label, size, usage)
         };
         let none = wgpu::BufferUsages::empty();
-        let [rows, list, work, colors] = Self::bytes(kind, size, m);
+        let bytes = Self::bytes(kind, size, m);
+        let parts = Part::of_list(kind);
         Self {
-            rows: buffer("daa list rows", rows, none),
-            list: buffer("daa list", list, none),
-            work: buffer("daa list work", work, wgpu::BufferUsages::INDIRECT),
-            colors: (colors > 0).then(|| buffer("daa list colors", colors, none)),
+            rows: buffer(parts[0], "daa list rows", bytes[0], none),
+            list: buffer(parts[1], "daa list", bytes[1], none),
+            work: buffer(parts[2], "daa list work", bytes[2], wgpu::BufferUsages::INDIRECT),
+            colors: (bytes[3] > 0).then(|| buffer(parts[3], "daa list colors", bytes[3], none)),
         }
     }
 }
@@ -119,14 +122,19 @@ pub(crate) fn gbuffer_bytes(size: [u32; 2], m: u32) -> u64 {
 
 /// Bytes of everything else that depends on the size.
 pub(crate) fn scratch_bytes(size: [u32; 2]) -> u64 {
-    let [w, h] = size.map(u64::from);
-    2 * w * h * 16 + 2 * plan_bytes(size) + statistics::COUNTER_BYTES
+    2 * image_bytes(size) + 2 * plan_bytes(size) + statistics::COUNTER_BYTES
+}
+
+/// Bytes of an image of the frame.
+pub(crate) fn image_bytes(size: [u32; 2]) -> u64 {
+    u64::from(size[0]) * u64::from(size[1]) * 16
 }
 
 impl Scratch {
-    pub fn new(device: &wgpu::Device, size: [u32; 2], m: u32) -> Self {
-        let image = |label| {
-            let texture = device.create_texture(&wgpu::TextureDescriptor {
+    /// `old`: of the same size, with what was lent then; what is its own it hands over.
+    pub fn new(device: &wgpu::Device, size: [u32; 2], m: u32, loans: &Loans, old: Option<(&Self, &Loans)>) -> Self {
+        let image = |part, label, old: Option<&wgpu::TextureView>| {
+            let descriptor = wgpu::TextureDescriptor {
                 label: Some(label),
                 size: wgpu::Extent3d { width: size[0], height: size[1], depth_or_array_layers: 1 },
                 mip_level_count: 1,
@@ -137,21 +145,36 @@ impl Scratch {
                     | wgpu::TextureUsages::TEXTURE_BINDING
                     | wgpu::TextureUsages::COPY_SRC,
                 view_formats: &[],
-            });
-            texture.create_view(&wgpu::TextureViewDescriptor::default())
+            };
+            loans.texture_or(part, device, &descriptor, old)
         };
-        let buffer = |label, size| {
+        let buffer = |part, label, size, old: Option<&wgpu::Buffer>| {
             let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
-            device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false })
+            old.cloned().unwrap_or_else(|| loans.buffer_or(part, device, label, size, usage))
         };
+        // What neither was lent before nor is now.
+        let own = |part: Part| old.filter(|(_, lent)| !lent.has(part) && !loans.has(part)).map(|(old, _)| old);
+        let gbuffer = Part::GBUFFER.map(|part| {
+            own(part).map(|old| match part {
+                Part::GBufferSurface => &old.gbuffer.color[0],
+                Part::GBufferFrame => &old.gbuffer.color[1],
+                Part::GBufferUv => &old.gbuffer.color[2],
+                _ => &old.gbuffer.depth,
+            })
+        });
         Self {
             size,
-            gbuffer: GBuffer::new(device, size[0] * m, size[1] * m),
-            first: image("daa first"),
-            color: image("daa color"),
-            counts: buffer("daa counts", plan_bytes(size)),
-            plan: buffer("daa plan", plan_bytes(size)),
-            statistics: buffer("daa statistics", statistics::COUNTER_BYTES),
+            gbuffer: GBuffer::new(device, size[0] * m, size[1] * m, loans, gbuffer),
+            first: image(Part::First, "daa first", own(Part::First).map(|old| &old.first)),
+            color: image(Part::Color, "daa color", own(Part::Color).map(|old| &old.color)),
+            counts: buffer(Part::Counts, "daa counts", plan_bytes(size), own(Part::Counts).map(|old| &old.counts)),
+            plan: buffer(Part::Plan, "daa plan", plan_bytes(size), own(Part::Plan).map(|old| &old.plan)),
+            statistics: buffer(
+                Part::Counters,
+                "daa statistics",
+                statistics::COUNTER_BYTES,
+                own(Part::Counters).map(|old| &old.statistics),
+            ),
         }
     }
 }

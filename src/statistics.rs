@@ -129,9 +129,10 @@ impl Recorded {
     }
 }
 
-const FREE: u8 = 0;
-const UNDER_WAY: u8 = 1;
-const READY: u8 = 2;
+/// States of a buffer on its way back.
+pub(crate) const FREE: u8 = 0;
+pub(crate) const UNDER_WAY: u8 = 1;
+pub(crate) const READY: u8 = 2;
 
 #[derive(Debug)]
 struct Slot {
@@ -141,13 +142,17 @@ struct Slot {
 }
 
 /// Frees its slot when the encoder is dropped without a submit, and the callback with it.
-struct Landing {
+pub(crate) struct Landing {
     state: Arc<AtomicU8>,
     to: u8,
 }
 
 impl Landing {
-    fn land(mut self, to: u8) {
+    pub fn new(state: &Arc<AtomicU8>) -> Self {
+        Self { state: state.clone(), to: FREE }
+    }
+
+    pub fn land(mut self, to: u8) {
         self.to = to;
     }
 }
@@ -230,7 +235,7 @@ impl Collector {
         }
         slot.state.store(UNDER_WAY, Ordering::Release);
         slot.recorded = Some(recorded);
-        let landing = Landing { state: slot.state.clone(), to: FREE };
+        let landing = Landing::new(&slot.state);
         encoder.map_buffer_on_submit(&slot.buffer, wgpu::MapMode::Read, .., move |outcome| {
             landing.land(if outcome.is_ok() { READY } else { FREE });
         });

@@ -2,8 +2,10 @@
 
 use crate::effects::{CastingUniform, Traced};
 use crate::lattice::Place;
+use crate::loans::Loans;
 use crate::pipeline::{PassInfo, Resource, entry};
 use crate::rays::{RayScene, RayTier};
+use crate::resources::Part;
 use crate::scratch::{self, Scratch};
 
 /// Before `first`.
@@ -124,17 +126,12 @@ impl Traces {
         class as u64 * 16 + 4
     }
 
-    pub fn new(device: &wgpu::Device, lights: &wgpu::Buffer, size: [u32; 2]) -> Self {
+    pub fn new(device: &wgpu::Device, lights: &wgpu::Buffer, size: [u32; 2], loans: &Loans) -> Self {
         let usage = wgpu::BufferUsages::STORAGE
             | wgpu::BufferUsages::INDIRECT
             | wgpu::BufferUsages::COPY_SRC
             | wgpu::BufferUsages::COPY_DST;
-        let tiles = device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("daa tiles"),
-            size: Self::tile_bytes(size),
-            usage,
-            mapped_at_creation: false,
-        });
+        let tiles = loans.buffer_or(Part::Tiles, device, "daa tiles", Self::tile_bytes(size), usage);
         Self { lights: lights.clone(), tiles, shadows: None, secondary: None, points: Self::nothing(device) }
     }
 
@@ -177,31 +174,41 @@ impl Traces {
         scratch::plan_bytes(size) * 6
     }
 
-    /// Bytes held.
-    pub fn held(&self) -> u64 {
-        let found = [&self.shadows, &self.secondary].into_iter().flatten();
-        self.tiles.size() + found.map(wgpu::Buffer::size).sum::<u64>()
+    /// Bytes of what is reflected and refracted, and with hits what the rays of first samples met.
+    pub fn secondary_bytes(size: [u32; 2], m: u32, hits: bool) -> u64 {
+        Self::bytes(size, m) + if hits { Self::hit_bytes(size) } else { 0 }
+    }
+
+    /// Bytes held that are not lent.
+    pub fn held(&self, loans: &Loans) -> u64 {
+        let found = [(Part::Shadows, &self.shadows), (Part::Secondary, &self.secondary)];
+        let found = found.into_iter().filter_map(|(part, found)| Some(loans.own(part, found.as_ref()?.size())));
+        loans.own(Part::Tiles, self.tiles.size()) + found.sum::<u64>()
     }
 
     /// Makes what is missing, `hits` what `Selective` reads. Whether anything was.
-    pub fn make(&mut self, device: &wgpu::Device, size: [u32; 2], m: u32, traced: Traced, hits: bool) -> bool {
-        let buffer = |label, size| {
-            device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some(label),
-                size,
-                usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            })
+    pub fn make(
+        &mut self,
+        device: &wgpu::Device,
+        size: [u32; 2],
+        m: u32,
+        traced: Traced,
+        hits: bool,
+        loans: &Loans,
+    ) -> bool {
+        let buffer = |part, label, size| {
+            let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
+            loans.buffer_or(part, device, label, size, usage)
         };
         let bytes = Self::bytes(size, m);
-        let wanted = bytes + if hits { Self::hit_bytes(size) } else { 0 };
+        let wanted = Self::secondary_bytes(size, m, hits);
         let shadows = traced.shadows && self.shadows.is_none();
         let secondary = traced.secondary && self.secondary.as_ref().is_none_or(|held| held.size() < wanted);
         if shadows {
-            self.shadows = Some(buffer("daa shadows", bytes));
+            self.shadows = Some(buffer(Part::Shadows, "daa shadows", bytes));
         }
         if secondary {
-            self.secondary = Some(buffer("daa secondary", wanted));
+            self.secondary = Some(buffer(Part::Secondary, "daa secondary", wanted));
         }
         shadows || secondary
     }

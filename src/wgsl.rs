@@ -52,7 +52,7 @@ pub(crate) fn directives(tier: TextureTier) -> &'static str {
 /// The host's WGSL, found sound.
 #[derive(Debug, Clone)]
 pub(crate) struct HostSource {
-    source: String,
+    pub source: String,
     tier: TextureTier,
     split: bool,
     sky: bool,

@@ -6,15 +6,18 @@ mod recording;
 mod sized;
 
 use crate::audit::Audited;
+use crate::check::{self, Check, InputMistake, InputReport};
 use crate::effects::{CastingUniform, Needs, Traced};
-use crate::error::{BuildError, RecordError, ShadingError, SizeError, TableError};
+use crate::error::{BuildError, LendError, RecordError, ShadingError, SizeError, TableError};
 use crate::frame::{Frame, FrameUniform};
 use crate::gbuffer::GBuffer;
 use crate::goal::Controller;
 use crate::lattice::{Place, StepUniform, Steps, Use};
-use crate::pipeline::{self, Build};
+use crate::loans::{Lent, Loans};
+use crate::pipeline::{self, Build, Resource};
 use crate::rays::RayTier;
 use crate::requirements::{self, Memory, Requirements};
+use crate::resources::{Part, PartInfo, Shape};
 use crate::scratch::{self, List, ListKind, Scratch};
 use crate::select::Marks;
 use crate::settings::{Pattern, Settings, Technique};
@@ -25,7 +28,7 @@ use crate::wgsl::{self, HostSource};
 use crate::window::MAX_M;
 use order::{Step, order};
 use pipelines::Pipelines;
-use sized::{RayBuffers, Sized, check_size, frame_layout};
+use sized::{RayBuffers, Sized, binding_limit, check_size, frame_layout};
 use std::sync::Arc;
 
 pub use order::Pass;
@@ -92,6 +95,8 @@ pub struct DeferredAa {
     steps: Option<wgpu::Buffer>,
     sized: Option<Sized>,
     collector: Collector,
+    /// From the first check.
+    check: Option<Check>,
     controller: Controller,
     frame: u64,
 }
@@ -194,7 +199,8 @@ impl DeferredAa {
             tables,
             uniforms: device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("daa frame"),
-                size: UNIFORM_STRIDE * UNIFORM_SLOTS,
+                // The last one is the check's.
+                size: UNIFORM_STRIDE * (UNIFORM_SLOTS + 1),
                 usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
                 mapped_at_creation: false,
             }),
@@ -203,6 +209,7 @@ impl DeferredAa {
             steps: None,
             sized: None,
             collector: Collector::new(device),
+            check: None,
             controller: Controller::default(),
             frame: 0,
             pipelines: Arc::new(Pipelines::new(build, descriptor.rays)),
@@ -240,12 +247,69 @@ impl DeferredAa {
         let m = self.build().m;
         check_size(size, m, &device.limits())?;
         let scope = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
-        let scratch = Scratch::new(device, size, m);
+        let loans = Loans::default();
+        let scratch = Scratch::new(device, size, m, &loans, None);
         if let Some(e) = pipeline::ready(scope.pop()) {
             let bytes = scratch::gbuffer_bytes(size, m) + scratch::scratch_bytes(size);
             return Err(SizeError::OutOfMemory { width, height, m, bytes, message: e.to_string() });
         }
-        self.sized = Some(Sized::new(&self.pipelines, &self.uniforms, scratch));
+        self.sized = Some(Sized::new(&self.pipelines, &self.uniforms, scratch, loans));
+        Ok(())
+    }
+
+    /// The parts of all that a frame with these settings and needs reads and writes, at the present size, but for what the host
+    /// binds itself ([`Resource::Host`](crate::Resource::Host), [`Resource::Rays`](crate::Resource::Rays)). Empty before the
+    /// first [`resize`](Self::resize).
+    pub fn parts(&self, settings: &Settings, needs: &Needs<'_>) -> Vec<PartInfo> {
+        let Some(sized) = &self.sized else { return Vec::new() };
+        let shape = self.shape(sized.scratch.size, settings, Traced::of(settings, needs));
+        let mut used = Vec::new();
+        let mut list = None;
+        for pass in Self::passes(settings, needs) {
+            used.extend(pass.info.reads.iter().chain(pass.info.writes).copied());
+            if let Step::List(kind) = pass.step {
+                list = Some(kind);
+            }
+        }
+        let in_list = |part| list.is_some_and(|kind| Part::of_list(kind).contains(&part));
+        let in_frame = |part: &Part| match part.resource() {
+            Resource::List => in_list(*part),
+            resource => used.contains(&resource),
+        };
+        let info = |part: Part| {
+            let kind = part.kind(&shape)?;
+            Some(PartInfo { part, resource: part.resource(), kind, lifetime: part.lifetime() })
+        };
+        Part::ALL.into_iter().filter(in_frame).filter_map(info).collect()
+    }
+
+    fn shape<'a>(&self, size: [u32; 2], settings: &'a Settings, traced: Traced) -> Shape<'a> {
+        let build = self.build();
+        Shape { size, m: build.m, target_format: build.target_format, settings, traced }
+    }
+
+    /// Lends the node memory for some of its [parts](Self::parts), in place of its own, which it drops. For a host whose graph
+    /// gives the same memory to resources that do not live at the same time. It replaces all that was lent before: an empty slice
+    /// takes all back. Not for a steady frame, as it binds everything anew. What was in the parts is lost, but for attachments of the
+    /// G-buffer that are neither lent now nor were before. [`resize`](Self::resize) to another size ends it.
+    ///
+    /// The host sees to it that no two parts that share memory live at once ([`PartInfo::lifetime`]); no error tells it if they
+    /// do. Lists, lattices and rays are made when a frame first needs them: what is lent for them is taken then.
+    pub fn lend(&mut self, device: &wgpu::Device, lent: &[Lent<'_>]) -> Result<(), LendError> {
+        let sized = self.sized.as_ref().ok_or(LendError::NoSize)?;
+        let size = sized.scratch.size;
+        let traced = Traced { shadows: true, secondary: true };
+        let settings = Settings::default();
+        let loans = Loans::new(lent, &self.shape(size, &settings, traced), binding_limit(device))?;
+        let memory = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let binding = device.push_error_scope(wgpu::ErrorFilter::Validation);
+        let scratch = Scratch::new(device, size, self.build().m, &loans, Some((&sized.scratch, &sized.loans)));
+        let bound = Sized::new(&self.pipelines, &self.uniforms, scratch, loans);
+        let refused = [pipeline::ready(binding.pop()), pipeline::ready(memory.pop())];
+        if let Some(e) = refused.into_iter().flatten().next() {
+            return Err(LendError::Refused(pipeline::one_line(&e)));
+        }
+        self.sized = Some(bound);
         Ok(())
     }
 
@@ -270,31 +334,26 @@ impl DeferredAa {
         })
     }
 
-    /// Bytes of GPU memory held for the present size.
+    /// Bytes of GPU memory held for the present size, without what is lent.
     pub fn memory(&self) -> Memory {
-        let size = self.sized.as_ref().map_or([0, 0], |s| s.scratch.size);
+        let rays = self.rays.as_ref().map_or(0, RayBuffers::held);
+        let Some(sized) = &self.sized else { return Memory { gbuffer: 0, scratch: 0, rays } };
+        let (size, m, loans) = (sized.scratch.size, self.build().m, &sized.loans);
+        let all = Settings::default();
+        let shape = self.shape(size, &all, Traced::default());
+        let own = |part: Part| loans.own(part, part.kind(&shape).map_or(0, |kind| kind.bytes()));
+        let fixed = [Part::First, Part::Color, Part::Counts, Part::Plan, Part::Counters].map(own);
         let marks = if self.marks.is_some() { Marks::BYTES } else { 0 };
-        let lattices = self.sized.as_ref().and_then(|s| s.lattices.as_ref()).map_or(0, |l| l.lattices.held());
+        let lattices = sized.lattices.as_ref().map_or(0, |l| l.lattices.held(loans));
+        let made =
+            [ListKind::Pixels, ListKind::Samples].into_iter().filter(|&kind| sized.lists[kind as usize].is_some());
+        let lists = made.flat_map(|kind| Part::of_list(kind).iter().zip(List::bytes(kind, size, m)));
+        let lists = lists.map(|(&part, bytes)| loans.own(part, bytes)).sum::<u64>();
         Memory {
-            gbuffer: scratch::gbuffer_bytes(size, self.build().m),
-            scratch: if size == [0, 0] {
-                0
-            } else {
-                scratch::scratch_bytes(size) + self.list_bytes(size) + marks + lattices
-            },
-            rays: self.ray_bytes(),
+            gbuffer: Part::GBUFFER.map(own).iter().sum(),
+            scratch: fixed.iter().sum::<u64>() + marks + lattices + lists,
+            rays: rays + sized.traced.as_ref().map_or(0, |t| t.traces.held(loans)),
         }
-    }
-
-    fn ray_bytes(&self) -> u64 {
-        let traces = self.sized.as_ref().and_then(|s| s.traced.as_ref()).map_or(0, |t| t.traces.held());
-        traces + self.rays.as_ref().map_or(0, RayBuffers::held)
-    }
-
-    fn list_bytes(&self, size: [u32; 2]) -> u64 {
-        let made = |kind: ListKind| self.sized.as_ref().is_some_and(|s| s.lists[kind as usize].is_some());
-        let kinds = [ListKind::Pixels, ListKind::Samples].into_iter().filter(|&kind| made(kind));
-        kinds.flat_map(|kind| List::bytes(kind, size, self.build().m)).sum()
     }
 
     /// The layout of [`TextureTable::bind_group`], for the host's own pipelines, at `@group(1)`.
@@ -341,8 +400,13 @@ impl DeferredAa {
         steps.enumerate().map(move |(index, step)| Pass { info: step.info(traced), step, index })
     }
 
-    /// Records the frame: all its passes, and the copies of its statistics. Nothing is recorded if it fails. At most 16
-    /// frames of one node may be recorded between two submits: the next would take the first one's constants.
+    /// Records the frame: all its passes, and the copies of its statistics. Nothing is recorded if it fails.
+    ///
+    /// Several views a frame: a node each, or one node for all of them, the host rendering the G-buffer anew between two
+    /// [`record`](Self::record)s, of another size after a [`resize`](Self::resize). At most 16 frames of one node may be recorded
+    /// between two submits: the next would take the first one's constants. Of these all get the last one's
+    /// [`Needs::textured`], [`Needs::importance`] and [`Needs::bounces`]; and of one [`RayScene`](crate::rays::RayScene), which
+    /// knows one camera, all the last [update](crate::rays::RayScene::update): views with rays take a scene each, or a submit each.
     pub fn record(
         &mut self,
         queue: &wgpu::Queue,
@@ -358,7 +422,9 @@ impl DeferredAa {
     }
 
     /// Begins a frame whose passes the host records itself, between its own or under its own profiler: each of
-    /// [`passes`](Self::passes) once, in their order, then [`Recording::finish`].
+    /// [`passes`](Self::passes) once, in their order or in one that [`PassInfo`](crate::PassInfo) allows, then
+    /// [`Recording::finish`]. Clears, by this encoder, what of [`parts`](Self::parts) lives from the beginning: submit it before
+    /// those of the passes.
     pub fn begin<'a>(
         &'a mut self,
         queue: &wgpu::Queue,
@@ -373,13 +439,20 @@ impl DeferredAa {
         let [width, height] = sized.scratch.size;
         let target = frame.target.texture();
         let (target_width, target_height) = (target.width(), target.height());
-        // Views of other mips are the host's affair: only a texture that can't hold the image is refused.
-        if target.mip_level_count() == 1 && (target_width, target_height) != (width, height) {
+        // Which level a view shows is the host's affair: only a texture that can't hold the image is refused.
+        let mut levels = (0..target.mip_level_count()).map(|level| {
+            let size = target.size().mip_level_size(level, target.dimension());
+            (size.width, size.height)
+        });
+        if !levels.any(|level| level == (width, height)) {
             return Err(RecordError::TargetSize { target_width, target_height, width, height });
         }
         let node = self.build().target_format;
         if target.format().remove_srgb_suffix() != node.remove_srgb_suffix() {
             return Err(RecordError::TargetFormat { target: target.format(), node });
+        }
+        if target.sample_count() != 1 {
+            return Err(RecordError::TargetSamples(target.sample_count()));
         }
         if !target.usage().contains(wgpu::TextureUsages::RENDER_ATTACHMENT) {
             return Err(RecordError::TargetUsage);
@@ -411,8 +484,7 @@ impl DeferredAa {
         let sized = self.sized.as_mut().ok_or(RecordError::NoSize)?;
         sized.make_list(&self.pipelines, &frame.settings)?;
         let selects = frame.settings.technique == Technique::Selective;
-        let rays = u32::from(traced.shadows) | u32::from(traced.secondary) << 1;
-        let steps = Steps::new(&frame.settings.multi_resolution, size, rays);
+        let steps = Steps::new(&frame.settings.multi_resolution, size, traced.rays());
         if frame.settings.technique == Technique::MultiResolution {
             let device = &self.pipelines.build.device;
             let buffer = self.steps.get_or_insert_with(|| {
@@ -511,6 +583,47 @@ impl DeferredAa {
             return Err(RecordError::RayCamera { scene: scene.camera(), camera });
         }
         CastingUniform::new(if traced.shadows { frame.needs.shadows } else { &[] }, camera).map(Some)
+    }
+
+    /// Checks the G-buffer, as it is when the encoder gets there, and the frame for what is probably a mistake:
+    /// [`input_report`](Self::input_report) has it some frames later. A pass over all samples that nobody needs in a
+    /// program that works: for debug builds, or for a key. While a check is under way another does nothing.
+    pub fn check_input(
+        &mut self,
+        queue: &wgpu::Queue,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &Frame<'_>,
+    ) -> Result<(), RecordError> {
+        let sized = self.sized.as_ref().ok_or(RecordError::NoSize)?;
+        let size = sized.scratch.size;
+        let (build, Some(group)) = (&self.pipelines.build, &sized.frames[0]) else { return Ok(()) };
+        let uniform = FrameUniform::new(frame, size, build.m, Audited::of(self.frame, size))?;
+        let check = self.check.get_or_insert_with(|| Check::new(&build.device));
+        check.poll(build.m);
+        if !check.is_free() {
+            return Ok(());
+        }
+        let mut mistakes = Vec::new();
+        if !frame.camera.is_reversed() {
+            mistakes.push(InputMistake::ProjectionNotReversed);
+        }
+        let target = build.target_format;
+        if target.is_srgb() && check::encodes(&build.host.source) {
+            mistakes.push(InputMistake::EncodedTwice { target });
+        }
+        let offset = UNIFORM_SLOTS * UNIFORM_STRIDE;
+        queue.write_buffer(&self.uniforms, offset, bytemuck::bytes_of(&uniform));
+        check.record(encoder, build, (group, offset as u32), size, mistakes)?;
+        Ok(())
+    }
+
+    /// What the newest [check](Self::check_input) has found that has arrived. Never waits; the host's `submit` or `poll` moves
+    /// it on.
+    pub fn input_report(&mut self) -> Option<&InputReport> {
+        let m = self.build().m;
+        let check = self.check.as_mut()?;
+        check.poll(m);
+        check.report()
     }
 
     /// What the newest frame did whose counters have arrived, some frames after it was submitted with

@@ -8,8 +8,10 @@ use crate::frame::FrameUniform;
 use crate::gbuffer::GBuffer;
 use crate::lattice::{Lattices, Steps};
 use crate::listed;
+use crate::loans::Loans;
 use crate::pipeline::{self, Build};
 use crate::rays::RayScene;
+use crate::resources::Part;
 use crate::scratch::{self, List, ListKind, Scratch};
 use crate::select::Marks;
 use crate::settings::{Settings, Technique};
@@ -19,6 +21,7 @@ use crate::traces::Traces;
 #[derive(Debug)]
 pub(super) struct Sized {
     pub scratch: Scratch,
+    pub loans: Loans,
     /// By [`Traced::index`], each from the first frame that needs it.
     pub frames: [Option<wgpu::BindGroup>; Traced::COUNT],
     /// For pipelines of a set (the second) that serve a frame that gets less (the first).
@@ -116,7 +119,7 @@ impl RayBuffers {
 }
 
 impl Sized {
-    pub fn new(pipelines: &Pipelines, uniforms: &wgpu::Buffer, scratch: Scratch) -> Self {
+    pub fn new(pipelines: &Pipelines, uniforms: &wgpu::Buffer, scratch: Scratch, loans: Loans) -> Self {
         let device = &pipelines.build.device;
         let plain = bind_frame(device, &pipelines.build.frame_layouts[0], uniforms, &scratch.gbuffer, [None, None]);
         Self {
@@ -135,6 +138,7 @@ impl Sized {
             audit: pipelines.audit.bind(device, &scratch),
             lattices: None,
             lists: [None, None],
+            loans,
             scratch,
         }
     }
@@ -151,6 +155,12 @@ impl Sized {
     /// Binds what `select` reads, in the first frame that asks for it.
     pub fn make_select(&mut self, pipelines: &Pipelines, marks: &Marks) {
         self.select.get_or_insert_with(|| pipelines.select.bind(&pipelines.build.device, &self.scratch, marks));
+    }
+
+    /// Refuses loans that are less than what parts need.
+    fn lent(&self, parts: impl IntoIterator<Item = (Part, u64)>) -> Result<(), RecordError> {
+        let refused = |(part, lent, needed)| Err(RecordError::Lent { part, lent, needed });
+        self.loans.too_small(parts).map_or(Ok(()), refused)
     }
 
     /// Makes the list of a frame that has one, in the first frame that asks for it.
@@ -172,7 +182,7 @@ impl Sized {
             return refused(largest, format!("the device binds {limit}"));
         }
         let scope = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
-        let list = List::new(device, kind, size, m);
+        let list = List::new(device, kind, size, m, &self.loans);
         if let Some(e) = pipeline::ready(scope.pop()) {
             return refused(bytes.iter().sum(), e.to_string());
         }
@@ -199,12 +209,13 @@ impl Sized {
         let device = &pipelines.build.device;
         let [width, height] = self.scratch.size;
         let refused = |why| Err(RecordError::Lattices { width, height, bytes: bytes.iter().sum(), why });
+        self.lent(Lattices::PARTS.into_iter().zip(bytes))?;
         let limit = binding_limit(device);
         if bytes.into_iter().any(|bytes| bytes > limit) {
             return refused(format!("the device binds {limit}"));
         }
         let scope = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
-        let lattices = Lattices::new(device, bytes);
+        let lattices = Lattices::new(device, bytes, &self.loans);
         if let Some(e) = pipeline::ready(scope.pop()) {
             return refused(e.to_string());
         }
@@ -236,17 +247,20 @@ impl Sized {
         hits: bool,
     ) -> Result<(), RecordError> {
         let (device, m, size) = (&pipelines.build.device, pipelines.build.m, self.scratch.size);
-        let bytes = Traces::bytes(size, m) + if hits { Traces::hit_bytes(size) } else { 0 };
+        let bytes = Traces::secondary_bytes(size, m, hits);
+        self.lent(traced.secondary.then_some((Part::Secondary, bytes)))?;
         let refused = |why| Err(RecordError::Traces { width: size[0], height: size[1], m, bytes, why });
         let limit = binding_limit(device);
         if bytes > limit {
             return refused(format!("the device binds {limit}"));
         }
         let scope = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
-        let made = self
-            .traced
-            .get_or_insert_with(|| SizedTraces { traces: Traces::new(device, &buffers.lights, size), bound: None });
-        let added = made.traces.make(device, size, m, traced, hits);
+        let loans = &self.loans;
+        let made = self.traced.get_or_insert_with(|| SizedTraces {
+            traces: Traces::new(device, &buffers.lights, size, loans),
+            bound: None,
+        });
+        let added = made.traces.make(device, size, m, traced, hits, loans);
         if let Some(lattices) = &self.lattices {
             made.traces.points = lattices.lattices.points.clone();
         }
@@ -299,7 +313,7 @@ impl Sized {
     }
 }
 
-fn binding_limit(device: &wgpu::Device) -> u64 {
+pub(super) fn binding_limit(device: &wgpu::Device) -> u64 {
     let limits = device.limits();
     limits.max_storage_buffer_binding_size.min(limits.max_buffer_size)
 }

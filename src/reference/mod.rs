@@ -5,6 +5,7 @@
 
 pub mod audit;
 pub mod bounce;
+pub mod check;
 pub mod classify;
 pub mod list;
 pub mod max_filter;

@@ -8,13 +8,14 @@ use sha2::{Digest as _, Sha256};
 pub struct Fingerprint(Sha256);
 
 /// All shader code that has a part in an image. The library's own too: a result of other code is another result.
-const CODE: [&str; 49] = [
+const CODE: [&str; 50] = [
     crate::host::SHADING_WGSL,
     include_str!("../raster.wgsl"),
     include_str!("../../../shaders/audit.wgsl"),
     include_str!("../../../shaders/bilateral.wgsl"),
     include_str!("../../../shaders/bounce.wgsl"),
     include_str!("../../../shaders/casting.wgsl"),
+    include_str!("../../../shaders/check.wgsl"),
     include_str!("../../../shaders/classify.wgsl"),
     include_str!("../../../shaders/contract.wgsl"),
     include_str!("../../../shaders/evaluate.wgsl"),
