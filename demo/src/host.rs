@@ -254,8 +254,23 @@ impl Host {
         if let Some(gbuffer) = self.aa.gbuffer() {
             self.raster.record(&self.gpu.queue, &mut encoder, &self.scene, &self.uploaded, &camera, gbuffer);
         }
-        let statistics = self.shade(encoder, camera, settings)?;
+        let statistics = self.shade(encoder, camera, settings, DeferredAa::record)?;
         Ok(Shot { statistics, gbuffer_ms: self.raster.milliseconds(&self.gpu) })
+    }
+
+    /// [`frame`](Self::frame) that `record` records in place of [`DeferredAa::record`]: for graphs that order passes themselves.
+    pub fn frame_by(
+        &mut self,
+        camera: &Camera,
+        settings: Settings,
+        record: impl FnOnce(&mut DeferredAa, &wgpu::Queue, &mut wgpu::CommandEncoder, &Frame<'_>) -> Result<(), RecordError>,
+    ) -> Result<Statistics, HostError> {
+        let camera = node_camera(camera, self.options.width, self.options.height);
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        if let Some(gbuffer) = self.aa.gbuffer() {
+            self.raster.record(&self.gpu.queue, &mut encoder, &self.scene, &self.uploaded, &camera, gbuffer);
+        }
+        self.shade(encoder, camera, settings, record)
     }
 
     /// [`frame`](Self::frame) over the last frame's G-buffer, which must be of the same camera: for many settings on one
@@ -263,7 +278,7 @@ impl Host {
     pub fn shade_again(&mut self, camera: &Camera, settings: Settings) -> Result<Shot, HostError> {
         let encoder = self.gpu.device.create_command_encoder(&Default::default());
         let camera = node_camera(camera, self.options.width, self.options.height);
-        Ok(Shot { statistics: self.shade(encoder, camera, settings)?, gbuffer_ms: None })
+        Ok(Shot { statistics: self.shade(encoder, camera, settings, DeferredAa::record)?, gbuffer_ms: None })
     }
 
     /// Records the node, submits, waits.
@@ -272,6 +287,7 @@ impl Host {
         mut encoder: wgpu::CommandEncoder,
         camera: deferred_aa::Camera,
         settings: Settings,
+        record: impl FnOnce(&mut DeferredAa, &wgpu::Queue, &mut wgpu::CommandEncoder, &Frame<'_>) -> Result<(), RecordError>,
     ) -> Result<Statistics, HostError> {
         self.lighting_values.camera = camera.world_from_view.w_axis.truncate().to_array();
         self.write_lighting();
@@ -307,7 +323,7 @@ impl Host {
             target: &self.target_view,
             statistics: true,
         };
-        self.aa.record(&self.gpu.queue, &mut encoder, &frame)?;
+        record(&mut self.aa, &self.gpu.queue, &mut encoder, &frame)?;
         self.gpu.queue.submit([encoder.finish()]);
         self.gpu.wait();
         self.complaints()?;

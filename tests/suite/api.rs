@@ -3,8 +3,9 @@
 use crate::harness::{self, Rig, SHOW_USER, Sample, WHITE, fill, noise, rgba8};
 use deferred_aa::glam::{Mat4, Vec2, Vec3, Vec4, camera::rh::proj::directx};
 use deferred_aa::{
-    BuildError, Camera, DebugView, DeferredAa, Descriptor, Execution, Frame, Needs, PipelineError, RecordError,
-    Resource, Settings, SettingsError, Shading, SizeError, TableError, Technique, TextureTier, Windowed, wgpu,
+    BuildError, Camera, DebugView, DeferredAa, Descriptor, Execution, Frame, InputMistake, LendError, Needs, Normal,
+    Part, PipelineError, RecordError, Resource, Settings, SettingsError, Shading, SizeError, TableError, Technique,
+    TextureTier, Windowed, wgpu,
 };
 use deferred_aa_demo::gpu::Gpu;
 use insta::assert_snapshot;
@@ -310,6 +311,33 @@ fn record_refuses_a_wrong_target() {
 
     let view = texture(&gpu, Rgba8Unorm, wgpu::TextureUsages::TEXTURE_BINDING).create_view(&Default::default());
     assert_eq!(refused(&gpu, &mut aa, &frame(&view, Settings::default())), RecordError::TargetUsage);
+
+    let with = |samples: u32, mips: u32| {
+        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+            label: None,
+            size: wgpu::Extent3d { width: WIDTH * mips, height: HEIGHT * mips, depth_or_array_layers: 1 },
+            mip_level_count: mips,
+            sample_count: samples,
+            dimension: wgpu::TextureDimension::D2,
+            format: Rgba8Unorm,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
+            view_formats: &[],
+        });
+        texture.create_view(&wgpu::TextureViewDescriptor {
+            base_mip_level: mips - 1,
+            mip_level_count: Some(1),
+            ..Default::default()
+        })
+    };
+    let samples = refused(&gpu, &mut aa, &frame(&with(4, 1), Settings::default()));
+    assert_eq!(samples, RecordError::TargetSamples(4));
+    // Its second level has the node's size; after a resize none has.
+    let mipped = with(1, 2);
+    aa.record(&gpu.queue, &mut encoder(&gpu), &frame(&mipped, Settings::default())).expect("a frame");
+    aa.resize(&gpu.device, WIDTH + 1, HEIGHT).expect("a size");
+    let (target_width, target_height) = (2 * WIDTH, 2 * HEIGHT);
+    let stale = RecordError::TargetSize { target_width, target_height, width: WIDTH + 1, height: HEIGHT };
+    assert_eq!(refused(&gpu, &mut aa, &frame(&mipped, Settings::default())), stale);
     no_errors(&gpu);
 }
 
@@ -774,11 +802,39 @@ fn texts() {
     assert_snapshot!(RecordError::TargetSize { target_width, target_height, width, height }, @"the target is 1280×720, the node 1920×1080; call resize with the target's size");
     assert_snapshot!(RecordError::TargetFormat { target: Rgba8Unorm, node: Rgba16Float }, @"the target is Rgba8Unorm, the node writes Rgba16Float; build the node with Descriptor::target_format = Rgba8Unorm");
     assert_snapshot!(RecordError::TargetUsage, @"the target can't be rendered to; create it with TextureUsages::RENDER_ATTACHMENT");
+    assert_snapshot!(RecordError::TargetSamples(4), @"the target has 4 samples a pixel, the node writes one; render into a texture with sample_count = 1");
+    assert_snapshot!(RecordError::Lent { part: Part::Secondary, lent: 1024, needed: 2048 }, @"Secondary was lent 1024 bytes, this frame needs 2048; lend as much, or none");
     assert_snapshot!(RecordError::HostBindGroup, @"the host's WGSL was built with a bind group layout, the frame has no host_bind_group; set it");
     assert_snapshot!(RecordError::Textures, @"the node was built with a texture tier, the frame has no table; set Frame::textures, an empty table if there are none");
     let why = "the device binds 134217728".into();
     assert_snapshot!(RecordError::List { execution: Some(Execution::Packed), width, height, m, bytes: 522_547_200, why }, @"Packed at 1920×1080, m = 8 lists up to 522547200 bytes: the device binds 134217728; use Execution::Tiled or Loop, which list nothing");
     assert_snapshot!(RecordError::Pipeline(pipeline), @"pass 'first' could not be compiled: Binding 0 is missing; hold the host's bind group layout against its WGSL");
+    let (part, other) = (Part::First, Part::Color);
+    assert_snapshot!(LendError::NoSize, @"the node has no size yet; call resize before lend");
+    assert_snapshot!(LendError::NotLendable(Part::Counters), @"Counters can't be lent: its content lives across frames, or is the host's already; leave it out");
+    assert_snapshot!(LendError::Twice(part), @"First is lent twice; lend it once");
+    assert_snapshot!(LendError::Together { part, other }, @"First and Color are lent the same memory, but passes bind both at once; lend each its own");
+    assert_snapshot!(LendError::Kind { part, needed: "texture" }, @"First is a texture; lend it one");
+    assert_snapshot!(LendError::Format { part, lent: Rgba16Float, needed: Rgba32Float }, @"First is lent a texture of Rgba16Float; it needs Rgba32Float");
+    assert_snapshot!(LendError::Extent { part, width, height }, @"First needs a 2D texture of 1920×1080 with one layer, mip level and sample; lend it such a one");
+    assert_snapshot!(LendError::TextureUsage { part, missing: wgpu::TextureUsages::STORAGE_BINDING }, @"First is lent a texture without TextureUsages(STORAGE_BINDING); create it with that usage");
+    assert_snapshot!(LendError::BufferUsage { part: Part::Plan, missing: wgpu::BufferUsages::STORAGE }, @"Plan is lent a buffer without BufferUsages(STORAGE); create it with that usage");
+    assert_snapshot!(LendError::Bytes { part: Part::Plan, lent: 1020, needed: 1024, limit: 1 << 27 }, @"Plan is lent 1020 bytes; it needs 1024, and the device binds 134217728 at most");
+    assert_snapshot!(LendError::Refused("TextureView is of another device".into()), @"the device refused: TextureView is of another device; lend what was made by the node's own device");
+    let (which, share) = (Normal::Shading, 0.75);
+    assert_snapshot!(InputMistake::ProjectionNotReversed, @"Frame::camera has a projection whose depth grows with the distance; use a reversed one, 1 at the near plane and 0 far away");
+    assert_snapshot!(InputMistake::DepthNotReversed { share }, @"75 % of the samples have a depth above 0.9: all at the near plane; render with a reversed projection, clear depth to 0 and write where greater");
+    assert_snapshot!(InputMistake::DepthOutOfRange { samples: 3 }, @"3 samples have a depth that is not in 0 to 1; write the depth of the rasteriser, with its viewport's 0 to 1");
+    assert_snapshot!(InputMistake::BehindCamera { samples: 3 }, @"3 samples lie behind the camera; give Frame::camera the projection that the G-buffer was rendered with");
+    assert_snapshot!(InputMistake::NormalsUnset { which, share }, @"DaaFragment::normal is 0 in 75 % of the samples; set it before daa_pack, and write all colour targets");
+    assert_snapshot!(InputMistake::NormalsInViewSpace { which, share }, @"DaaFragment::normal is in view space in 75 % of the samples; give daa_pack world space");
+    assert_snapshot!(InputMistake::NormalsFlipped { which: Normal::Geometric, share }, @"DaaFragment::geometric_normal faces away from the viewer in 75 % of the samples; flip it on back faces, and cull as you wind");
+    assert_snapshot!(InputMistake::NormalsOff { which, share }, @"DaaFragment::normal is more than 45° off the surface in 75 % of the samples; give daa_pack world space, from -1 to 1 and not from 0 to 1, and Frame::camera the G-buffer's camera");
+    assert_snapshot!(InputMistake::GradientsMissing { share }, @"ddx and ddy are 0 in 75 % of the samples whose uv differs; set them to dpdx(uv) and dpdy(uv)");
+    assert_snapshot!(InputMistake::GradientsPerPixel { m: 4, share }, @"ddx and ddy are 4 times what uv says in 75 % of the samples: per pixel; give those per sample, as dpdx and dpdy have them");
+    assert_snapshot!(InputMistake::GradientsOff { share }, @"ddx and ddy do not fit uv in 75 % of the samples; set them to dpdx(uv) and dpdy(uv) of the uv that is packed");
+    assert_snapshot!(InputMistake::ObjectsUnset, @"DaaFragment::object is 0 everywhere, though surfaces lie one behind another; give objects that touch ids of their own");
+    assert_snapshot!(InputMistake::EncodedTwice { target: Rgba8UnormSrgb }, @"the host's WGSL encodes its radiance (an exponent of 1/2.2 or 1/2.4), and the target is Rgba8UnormSrgb, which encodes again; return linear radiance");
     assert_snapshot!(TableError::Classes { classes: 12, most: 7 }, @"the textures fall into 12 classes of size, format, mip count and sampler, the array tier has 7; resize some to a common size, or use the binding tier");
     assert_snapshot!(TableError::Capacity { textures: 2000, most: 1024 }, @"2000 textures, the table holds 1024; raise Descriptor::texture_capacity");
     assert_snapshot!(TableError::Texture { index: 3, problem: "is multisampled; resolve it first".into() }, @"texture 3 is multisampled; resolve it first");

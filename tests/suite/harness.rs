@@ -3,8 +3,8 @@
 use deferred_aa::reference::metrics::{Input, Worth};
 use deferred_aa::reference::octahedral;
 use deferred_aa::{
-    BINDING_FEATURES, Camera, DeferredAa, Descriptor, Frame, GBuffer, Needs, RecordError, Settings, Shading,
-    Statistics, TextureTier, gbuffer,
+    BINDING_FEATURES, Camera, DeferredAa, Descriptor, Frame, GBuffer, InputReport, Needs, RecordError, Settings,
+    Shading, Statistics, TextureTier, gbuffer,
     glam::{DVec3, Mat4, Vec2, Vec3, Vec4, camera::rh::proj::directx},
     wgpu,
 };
@@ -155,18 +155,27 @@ impl Rig {
         needs: Needs<'_>,
     ) -> Result<wgpu::CommandBuffer, RecordError> {
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        let frame = Frame {
-            needs,
-            camera: self.camera,
-            settings,
-            exposure: self.exposure,
-            host_bind_group: None,
-            textures: None,
-            target: &self.view,
-            statistics: true,
-        };
+        let (settings, exposure, statistics) = (settings, self.exposure, true);
+        let frame = Frame { needs, settings, exposure, statistics, ..Frame::new(self.camera, &self.view) };
         self.aa.record(&self.gpu.queue, &mut encoder, &frame)?;
         Ok(encoder.finish())
+    }
+
+    /// Records a check of the input alone.
+    pub fn try_check(&mut self) -> Result<wgpu::CommandBuffer, RecordError> {
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        let frame = Frame::new(self.camera, &self.view);
+        self.aa.check_input(&self.gpu.queue, &mut encoder, &frame)?;
+        Ok(encoder.finish())
+    }
+
+    /// What a check finds.
+    pub fn check(&mut self) -> Result<InputReport, RecordError> {
+        let commands = self.try_check()?;
+        self.gpu.queue.submit([commands]);
+        self.gpu.wait();
+        assert_eq!(self.gpu.take_errors(), Vec::<String>::new());
+        Ok(self.aa.input_report().expect("a report").clone())
     }
 
     pub fn run(&mut self, settings: Settings) -> Output {

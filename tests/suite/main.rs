@@ -4,8 +4,10 @@
 mod api;
 mod bounces;
 mod bounces_twin;
+mod checker;
 mod example;
 mod goals;
+mod graph;
 mod harness;
 mod multi_resolution;
 mod needs;
@@ -17,3 +19,4 @@ mod shading_errors;
 mod shadows;
 mod textures;
 mod twin;
+mod views;
