@@ -26,6 +26,9 @@
 //! 3. Each frame the host renders into the G-buffer, its fragment shaders packing with [`gbuffer::PACK_WGSL`], and calls
 //!    [`DeferredAa::record`].
 //!
+//! While a host is written, [`DeferredAa::check_input`] says what of its input is probably a mistake. A frame graph records
+//! [`DeferredAa::passes`] itself, and may [lend](DeferredAa::lend) its memory for what they pass on.
+//!
 //! `examples/host.rs` in the repository is a whole host in under 120 lines.
 //!
 //! # Source

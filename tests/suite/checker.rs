@@ -116,7 +116,7 @@ fn each_mistake_is_named() {
         assert_eq!(planes.report(|s| s.normal = Vec3::ZERO).mistakes, unset);
         assert_eq!(planes.report(|s| s.normal = back.transform_vector3(s.normal)).mistakes, in_view);
         assert_eq!(planes.report(|s| s.normal = -s.normal).mistakes, flipped);
-        assert_eq!(planes.report(|s| s.normal = s.normal.any_orthogonal_vector()).mistakes, off);
+        assert_eq!(planes.report(|s| s.normal = s.normal.any_orthonormal_pair().1).mistakes, off);
         let mistakes = planes.report(|s| (s.ddx, s.ddy) = (Vec2::ZERO, Vec2::ZERO)).mistakes;
         assert_eq!(mistakes, [Mistake::GradientsMissing { share: 1.0 }]);
         let mistakes = planes.report(|s| (s.ddx, s.ddy) = (s.ddx * m as f32, s.ddy * m as f32)).mistakes;
