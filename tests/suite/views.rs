@@ -232,7 +232,7 @@ fn lend_refuses_what_can_not_serve() {
     assert_eq!(refused(&first(&sampled)), LendError::TextureUsage { part, missing });
     let part = Part::Plan;
     let small = buffer(16 * 16 * 4 - 4, wgpu::BufferUsages::STORAGE);
-    let limit = u64::from(gpu.device.limits().max_storage_buffer_binding_size);
+    let limit = gpu.device.limits().max_storage_buffer_binding_size;
     let bytes = LendError::Bytes { part, lent: 1020, needed: 1024, limit };
     assert_eq!(refused(&[(part, Buffer(&small))]), bytes);
     let missing = wgpu::BufferUsages::INDIRECT | wgpu::BufferUsages::COPY_DST;
