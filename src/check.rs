@@ -3,7 +3,7 @@
 use crate::error::PipelineError;
 use crate::pipeline::{Build, Lazy, entry};
 use crate::statistics::{FREE, Landing, READY, UNDER_WAY};
-use crate::wgsl;
+use crate::{TILE, wgsl};
 use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
@@ -321,7 +321,8 @@ impl Check {
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, frame.0, &[frame.1]);
         pass.set_bind_group(3, &self.group, &[]);
-        pass.dispatch_workgroups(samples[0].div_ceil(8), samples[1].div_ceil(8), 1);
+        let [x, y] = samples.map(|side| side.div_ceil(TILE));
+        pass.dispatch_workgroups(x, y, 1);
         drop(pass);
         encoder.copy_buffer_to_buffer(&self.counts, 0, &self.read_back, 0, BYTES);
         self.begun = (mistakes, u64::from(samples[0]) * u64::from(samples[1]));
@@ -355,6 +356,49 @@ impl Check {
 
 /// Whether WGSL takes a power that encodes for a display: an exponent of 1/2.2 or 1/2.4, however written.
 pub(crate) fn encodes(source: &str) -> bool {
-    let text: String = wgsl::tokens(source).iter().map(|token| token.1).collect();
-    ["1.0/2.2", "1/2.2", "1.0/2.4", "1/2.4", "0.4545", "0.41666"].iter().any(|exponent| text.contains(exponent))
+    let tokens: Vec<&str> = wgsl::tokens(source).into_iter().map(|(_, token)| token.trim_end_matches('f')).collect();
+    let quotient = |t: &[&str]| matches!(t, ["1", "/", "2", ".", "2" | "4"]);
+    let quotient_of_floats = |t: &[&str]| matches!(t, ["1", ".", "0", "/", "2", ".", "2" | "4"]);
+    let number = |t: &[&str]| t[..2] == ["0", "."] && (t[2].starts_with("4545") || t[2].starts_with("41666"));
+    tokens.windows(5).any(quotient) || tokens.windows(7).any(quotient_of_floats) || tokens.windows(3).any(number)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A rasteriser clamps depth, so that no G-buffer of a test's has such a one.
+    #[test]
+    fn depth_out_of_range_is_named() {
+        let counts = InputCounts { bad_depth: 3, ..Default::default() };
+        assert_eq!(counts.mistakes(100, 2), [InputMistake::DepthOutOfRange { samples: 3 }]);
+    }
+
+    /// What decides is a half, and too few samples decide nothing.
+    #[test]
+    fn some_samples_that_do_not_fit_are_no_mistake() {
+        let normal = NormalCounts { fits: 50, flipped: 50, ..Default::default() };
+        let sound = InputCounts {
+            covered: 1000,
+            objects: 1,
+            planes: 100,
+            normal,
+            geometric_normal: normal,
+            slopes: 100,
+            gradient_fits: 50,
+            gradient_missing: 50,
+            ..Default::default()
+        };
+        assert_eq!(sound.mistakes(1000, 2), []);
+        let few = InputCounts { planes: ENOUGH - 1, slopes: ENOUGH - 1, gradient_fits: 0, ..sound };
+        let few = InputCounts { normal: NormalCounts::default(), geometric_normal: NormalCounts::default(), ..few };
+        assert_eq!(few.mistakes(1000, 2), []);
+        assert_eq!(InputCounts::default().mistakes(0, 1), []);
+    }
+
+    #[test]
+    fn only_an_encoding_exponent_encodes() {
+        assert!(encodes("pow(c, vec3f(1.0 / 2.2))") && encodes("pow(c, vec3f(0.41666667))") && encodes("1/2.4"));
+        assert!(!encodes("pow(c, vec3f(2.2)) // 1.0 / 2.2") && !encodes("11.0 / 2.25 + f32(x)"));
+    }
 }

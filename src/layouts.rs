@@ -311,6 +311,7 @@ fn tiles_are_the_shaders() {
     let flat = [TILE * TILE, 1, 1];
     let expected = [
         ("daa_audit_main", flat),
+        ("daa_check_main", tile),
         ("daa_classify_finish", [1, 1, 1]),
         ("daa_classify_main", flat),
         ("daa_first_main", tile),
@@ -335,6 +336,7 @@ fn tiles_are_the_shaders() {
         ("daa_reconstruct_main", flat),
         ("daa_select_main", flat),
         ("daa_extra_main", flat),
+        ("daa_extra_between", tile),
         ("daa_trace_main", flat),
         ("daa_bounce_main", flat),
     ];
