@@ -343,3 +343,58 @@ fn a_graph_that_errs_makes_another_image() {
         assert_eq!(host.picture().rgba == expected, flaw == Flaw::None, "{flaw:?}");
     }
 }
+
+/// wgpu refuses a pass that binds a buffer to be read and to be written at once: `lend` refuses it first.
+#[test]
+fn parts_that_may_share_memory_are_never_bound_together() {
+    const BUFFERS: [Part; 14] = [
+        Part::Counts,
+        Part::Plan,
+        Part::PixelListRows,
+        Part::PixelListEntries,
+        Part::PixelListWork,
+        Part::SampleListRows,
+        Part::SampleListEntries,
+        Part::SampleListWork,
+        Part::SampleListColors,
+        Part::LatticePoints,
+        Part::LatticeColors,
+        Part::Tiles,
+        Part::Shadows,
+        Part::Secondary,
+    ];
+    use wgpu::BufferUsages as Usage;
+    let scene = builtin("mirrors").unwrap();
+    let camera = scene.default_camera();
+    let mut host = host(scene, 2, [16, 16]);
+    let shared = host.gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("graph"),
+        size: 1 << 18,
+        usage: Usage::STORAGE | Usage::INDIRECT | Usage::COPY_DST,
+        mapped_at_creation: false,
+    });
+    let memory = Physical::Buffer(&shared);
+    let device = host.gpu.device.clone();
+    for way in ways() {
+        let mut pairs = 0;
+        host.frame_by(&camera, way, |aa, queue, encoder, frame| {
+            for (i, &part) in BUFFERS.iter().enumerate() {
+                for &other in &BUFFERS[..i] {
+                    match aa.lend(&device, &[part, other].map(|part| Lent { part, memory })) {
+                        Err(LendError::Together { .. }) => continue,
+                        lent => lent.expect("a loan"),
+                    }
+                    pairs += 1;
+                    // Never submitted: in some frames both live at once, and what they would hold is anything.
+                    let mut dropped = device.create_command_encoder(&Default::default());
+                    aa.record(queue, &mut dropped, frame)?;
+                    drop(dropped.finish());
+                }
+            }
+            aa.lend(&device, &[]).expect("all of it back");
+            aa.record(queue, encoder, frame)
+        })
+        .unwrap_or_else(|e| panic!("{way:?}: {e}"));
+        assert!(pairs > 30, "{pairs}");
+    }
+}
