@@ -7,11 +7,11 @@ use crate::rays::{self, Rays};
 use crate::scene::{Camera, Material, Scene, Sun};
 use crate::upload::{GpuScene, UploadError};
 use deferred_aa::rays::{RayError, RayTier};
-use glam::Vec3;
 use deferred_aa::{
-    BuildError, CastingLight, DebugView, DeferredAa, Descriptor, Effect, Frame, GBuffer, Needs, ObjectImportance,
-    Pass, RecordError, Settings, Shading, SizeError, Statistics, Technique, TextureTier,
+    BuildError, CastingLight, DebugView, DeferredAa, Descriptor, Effect, Frame, GBuffer, Needs, ObjectImportance, Pass,
+    RecordError, Settings, Shading, SizeError, Statistics, Technique, TextureTier,
 };
+use glam::Vec3;
 
 /// Of the target: linear HDR, as most engines have it.
 pub const TARGET_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;

@@ -64,16 +64,16 @@ pub fn save(path: &Path, settings: &Settings) -> Result<(), SettingsFileError> {
 
 /// All of it, checked.
 pub fn load(path: &Path) -> Result<Settings, SettingsFileError> {
-    let text = std::fs::read_to_string(path)
-        .map_err(|source| SettingsFileError::File { path: path.to_owned(), source })?;
+    let text =
+        std::fs::read_to_string(path).map_err(|source| SettingsFileError::File { path: path.to_owned(), source })?;
     parse(path, &text)
 }
 
 /// [`load`] of a file's content; `path` is what errors call it.
 pub fn parse(path: &Path, text: &str) -> Result<Settings, SettingsFileError> {
     let path = || path.to_owned();
-    let tree: Value = serde_json::from_str(text)
-        .map_err(|e| SettingsFileError::Json { path: path(), problem: e.to_string() })?;
+    let tree: Value =
+        serde_json::from_str(text).map_err(|e| SettingsFileError::Json { path: path(), problem: e.to_string() })?;
     let wrong = |key: String, problem: String| SettingsFileError::Value { path: path(), key, problem };
     let fields = tree.as_object().ok_or_else(|| wrong("the file".to_owned(), "is no object".to_owned()))?;
     match fields.get("version") {
@@ -143,7 +143,8 @@ mod tests {
 
     #[test]
     fn what_is_written_is_read() {
-        let mut settings = Settings { technique: Technique::Selective, goal: Some(Goal::Error(0.01)), ..Default::default() };
+        let mut settings =
+            Settings { technique: Technique::Selective, goal: Some(Goal::Error(0.01)), ..Default::default() };
         settings.selective.tau_col = 0.123;
         settings.selective.enabled.pte = false;
         settings.multi_resolution.rays.coarsest = 3;
@@ -158,13 +159,28 @@ mod tests {
         for (text, part) in [
             (r#"{"version": 2, "settings": {}}"#, "s.json: version 2, this program reads 1"),
             (r#"{"settings": {}}"#, "version none"),
-            (r#"{"version": 1, "settings": {"windowed": {"depth_scal": 1}}}"#, "settings.windowed.depth_scal: no such setting: did you mean depth_scale?"),
+            (
+                r#"{"version": 1, "settings": {"windowed": {"depth_scal": 1}}}"#,
+                "settings.windowed.depth_scal: no such setting: did you mean depth_scale?",
+            ),
             (r#"{"version": 1, "settings": {"windowed": 3}}"#, "settings.windowed: 3 is no object"),
-            (r#"{"version": 1, "settings": {"windowed": {"depth_scale": NaN}}}"#, "no JSON: expected value at line 1 column"),
+            (
+                r#"{"version": 1, "settings": {"windowed": {"depth_scale": NaN}}}"#,
+                "no JSON: expected value at line 1 column",
+            ),
             (r#"{"version": 1, "settings": {"windowed": {"depth_scale": 1e999}}}"#, "no JSON: number out of range"),
-            (r#"{"version": 1, "settings": {"windowed": {"depth_scale": null}}}"#, "settings.windowed.depth_scale: invalid type: null"),
-            (r#"{"version": 1, "settings": {"windowed": {"depth_scale": "7"}}}"#, "settings.windowed.depth_scale: invalid type: string"),
-            (r#"{"version": 1, "settings": {"windowed": {"depth_scale": -7}}}"#, "settings.windowed.depth_scale: windowed.depth_scale is -7"),
+            (
+                r#"{"version": 1, "settings": {"windowed": {"depth_scale": null}}}"#,
+                "settings.windowed.depth_scale: invalid type: null",
+            ),
+            (
+                r#"{"version": 1, "settings": {"windowed": {"depth_scale": "7"}}}"#,
+                "settings.windowed.depth_scale: invalid type: string",
+            ),
+            (
+                r#"{"version": 1, "settings": {"windowed": {"depth_scale": -7}}}"#,
+                "settings.windowed.depth_scale: windowed.depth_scale is -7",
+            ),
             (r#"{"version": 1, "settings": {"technique": "magic"}}"#, "settings.technique: unknown variant `magic`"),
             (r#"{"version": 1, "settings": {"goal": {"error": 2}}}"#, "settings.goal: goal.error is 2"),
             (r#"{"version": 1, "setings": {}}"#, "setings: no such key: did you mean settings?"),

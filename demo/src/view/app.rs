@@ -279,10 +279,12 @@ impl App {
 
     /// Sends a side's picture to the judge, if the reference is of the same view.
     fn hold_against(&mut self, side: usize) {
-        let (Some(rendered), Some((view, _, reference))) = (&self.sides[side].rendered, &self.reference) else { return };
+        let (Some(rendered), Some((view, _, reference))) = (&self.sides[side].rendered, &self.reference) else {
+            return;
+        };
         if *rendered.view == **view && is_image(&rendered.settings) {
             let (picture, reference) = (rendered.picture.clone(), reference.clone());
-            self.judge.measure(Case { side, settings: rendered.settings, picture, reference });
+            self.judge.measure(Case { side, picture, reference });
         }
     }
 
@@ -304,9 +306,10 @@ impl App {
             return;
         };
         let of = |view: &View| View { options: Options { m: 0, ..view.options }, ..view.clone() };
-        let same = self.tried_of.as_ref().is_some_and(|(view, kind)| {
-            of(view) == of(&rendered.view) && (*kind == self.kept.reference)
-        });
+        let same = self
+            .tried_of
+            .as_ref()
+            .is_some_and(|(view, kind)| of(view) == of(&rendered.view) && (*kind == self.kept.reference));
         if !same {
             self.tried.clear();
             self.tried_of = Some((rendered.view.clone(), self.kept.reference));
@@ -317,12 +320,6 @@ impl App {
             Some(tried) => *tried = point,
             None => self.tried.push(point),
         }
-    }
-
-    /// Nothing is under way: the picture, its times and its error are what the settings give.
-    pub fn rests(&self) -> bool {
-        let settled = |side: usize| !self.shows(side) || self.shown_is_wanted(side);
-        self.opened.is_some() && self.busy.is_empty() && (0..2).all(settled)
     }
 
     /// Whether a side's picture is what its settings give, or was refused.
@@ -347,7 +344,9 @@ impl App {
             camera,
         });
         // Both are rendered where they can be flipped between.
-        let wanted = |side: usize| (self.kept.split || self.alone.is_some() || self.shows(side)).then_some(self.sides[side].settings);
+        let wanted = |side: usize| {
+            (self.kept.split || self.alone.is_some() || self.shows(side)).then_some(self.sides[side].settings)
+        };
         let next = Wanted {
             scene: self.source.clone(),
             view,
@@ -435,16 +434,14 @@ impl App {
                 self.kept.divider = (self.kept.divider + by).clamp(0.0, 1.0);
             }
         }
-        for (key, value) in [
-            (Key::F, &mut self.frozen),
-            (Key::Z, &mut self.magnify),
-            (Key::X, &mut self.show_error),
-        ] {
+        for (key, value) in [(Key::F, &mut self.frozen), (Key::Z, &mut self.magnify), (Key::X, &mut self.show_error)] {
             if pressed(Modifiers::NONE, key) {
                 *value = !*value;
             }
         }
-        for (key, view) in [(Key::Num1, DebugView::Image), (Key::Num2, DebugView::Count), (Key::Num3, DebugView::Decided)] {
+        for (key, view) in
+            [(Key::Num1, DebugView::Image), (Key::Num2, DebugView::Count), (Key::Num3, DebugView::Decided)]
+        {
             if pressed(Modifiers::NONE, key) {
                 let settings = Settings { view, ..self.sides[self.edited].settings };
                 self.sides[self.edited].set(settings, "view");
@@ -527,7 +524,10 @@ impl App {
 
     fn log(&mut self, ui: &mut Ui) {
         if let Some(why) = &self.failed {
-            ui.colored_label(ui.visuals().error_fg_color, format!("{why}. Settings are saved; start the viewer again."));
+            ui.colored_label(
+                ui.visuals().error_fg_color,
+                format!("{why}. Settings are saved; start the viewer again."),
+            );
         }
         let last = self.messages.last().map_or("", String::as_str);
         egui::CollapsingHeader::new(last).id_salt("messages").show(ui, |ui| {

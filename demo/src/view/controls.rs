@@ -174,7 +174,9 @@ impl Source {
                 continue;
             } else if let Some((is_struct, name)) = &inside {
                 let line = line.trim().trim_end_matches(',');
-                if let (true, Some((field, ty))) = (*is_struct, line.strip_prefix("pub ").and_then(|l| l.split_once(": "))) {
+                if let (true, Some((field, ty))) =
+                    (*is_struct, line.strip_prefix("pub ").and_then(|l| l.split_once(": ")))
+                {
                     let fields = source.structs.entry(name.clone()).or_default();
                     fields.push((field.to_owned(), ty.to_owned(), plain(&doc)));
                 } else if !is_struct {
@@ -291,7 +293,8 @@ mod tests {
     #[test]
     fn ranges_are_the_librarys() {
         for c in all() {
-            let number = |v: f64, range: Range| if range.scale == Scale::Whole { json!(v as i64) } else { json!(v as f32) };
+            let number =
+                |v: f64, range: Range| if range.scale == Scale::Whole { json!(v as i64) } else { json!(v as f32) };
             match &c.kind {
                 Kind::Slider(range) => {
                     for end in [range.least, range.most] {

@@ -29,13 +29,14 @@ impl App {
         for (i, name) in names.iter().enumerate() {
             let bars = (0..2).filter(|&side| self.shows(side)).map(|side| {
                 let ms = times[side].get(name).map_or(0.0, |spread| spread.median);
-                Bar::new(1.0 - side as f64, ms).width(0.7).name(format!("{name}: {ms:.2} ms"))
+                Bar::new(1.0 - side as f64, ms).width(0.7).fill(color(i)).name(format!("{name}: {ms:.2} ms"))
             });
             let chart = BarChart::new(name.clone(), bars.collect()).horizontal().color(color(i));
             let chart = chart.stack_on(&charts.iter().collect::<Vec<_>>());
             charts.push(chart);
         }
-        let plot = Plot::new("times").height(92.0).show_axes(Vec2b::new(true, false)).show_grid(Vec2b::new(true, false));
+        let plot =
+            Plot::new("times").height(92.0).show_axes(Vec2b::new(true, false)).show_grid(Vec2b::new(true, false));
         let plot = plot.allow_drag(false).allow_zoom(false).allow_scroll(false).allow_boxed_zoom(false).include_x(0.0);
         plot.include_y(-0.5).include_y(1.5).x_axis_label("milliseconds of GPU time").show(ui, |plot| {
             charts.into_iter().for_each(|chart| plot.bar_chart(chart));
@@ -66,12 +67,20 @@ impl App {
             ui.end_row();
             for (i, name) in self.pass_names().iter().map(String::as_str).chain(["node", "total"]).enumerate() {
                 let sum = name == "node" || name == "total";
-                ui.label(RichText::new(if sum { " " } else { "■" }).color(color(i)));
+                let (swatch, _) = ui.allocate_exact_size(egui::vec2(10.0, 10.0), egui::Sense::hover());
+                if !sum {
+                    ui.painter().rect_filled(swatch, 1.0, color(i));
+                }
                 ui.label(if sum { RichText::new(name).strong() } else { RichText::new(name) });
                 for side in (0..2).filter(|&side| self.shows(side)) {
                     ui.label(times[side].get(name).map_or("–".to_owned(), |s| format!("{:.2}", s.median)))
                         .on_hover_text(times[side].get(name).map_or(String::new(), |s| {
-                            format!("fastest {:.2}, 19 of 20 below {:.2}, {} frames", s.min, s.p95, self.sides[side].shots.len())
+                            format!(
+                                "fastest {:.2}, 19 of 20 below {:.2}, {} frames",
+                                s.min,
+                                s.p95,
+                                self.sides[side].shots.len()
+                            )
                         }));
                 }
                 ui.end_row();
@@ -188,7 +197,9 @@ impl App {
             for (i, (name, points)) in by_technique.into_iter().enumerate() {
                 plot.points(Points::new(name, PlotPoints::from(points)).radius(4.0).color(color(i)));
             }
-            plot.points(Points::new("shown", PlotPoints::from(present)).radius(7.0).filled(false).color(Color32::WHITE));
+            plot.points(
+                Points::new("shown", PlotPoints::from(present)).radius(7.0).filled(false).color(Color32::WHITE),
+            );
             plot.pointer_coordinate().map(|p| (p, plot.plot_bounds()))
         });
         let Some((pointer, bounds)) = response.inner.filter(|_| response.response.hovered()) else { return };
@@ -262,7 +273,14 @@ mod tests {
     #[test]
     fn the_frontier_is_what_nothing_beats() {
         let tried = |ms: f64, db: f64| Tried { settings: Settings::default(), m: 4, ms, db, flip: 0.0, mean_k: 1.0 };
-        let all = [tried(5.0, 40.0), tried(1.0, 30.0), tried(2.0, 29.0), tried(3.0, 41.0), tried(9.0, 50.0), tried(1.0, 20.0)];
+        let all = [
+            tried(5.0, 40.0),
+            tried(1.0, 30.0),
+            tried(2.0, 29.0),
+            tried(3.0, 41.0),
+            tried(9.0, 50.0),
+            tried(1.0, 20.0),
+        ];
         let all: Vec<&Tried> = all.iter().collect();
         let found: Vec<_> = frontier(&all).iter().map(|t| (t.ms, t.db)).collect();
         assert_eq!(found, [(1.0, 30.0), (3.0, 41.0), (9.0, 50.0)]);

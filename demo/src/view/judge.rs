@@ -2,7 +2,6 @@
 
 use crate::picture::{Picture, display};
 use crate::quality::{self, Quality};
-use deferred_aa::Settings;
 use std::sync::mpsc::Sender;
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread::JoinHandle;
@@ -12,8 +11,6 @@ use std::thread::JoinHandle;
 pub struct Case {
     /// Of the divider.
     pub side: usize,
-    /// That the picture was rendered with.
-    pub settings: Settings,
     /// The picture.
     pub picture: Arc<Picture>,
     /// The reference.
@@ -130,7 +127,7 @@ mod tests {
         let picture = |last: f32| Arc::new(Picture { width: 2, height: 1, rgba: vec![grey(0.5), grey(last)] });
         let (verdicts, found) = std::sync::mpsc::channel();
         let judge = Judge::start(verdicts, || {}).unwrap();
-        let case = Case { side: 1, settings: Settings::default(), picture: picture(0.9), reference: picture(0.1) };
+        let case = Case { side: 1, picture: picture(0.9), reference: picture(0.1) };
         judge.measure(case);
         let verdict = found.recv().unwrap();
         assert_eq!(verdict.case.side, 1);

@@ -4,7 +4,9 @@ use super::app::App;
 use super::fly;
 use super::worker::Rendered;
 use deferred_aa::{Settings, Technique, window};
-use egui::{Align2, Color32, CursorIcon, FontId, Painter, Pos2, Rect, Response, Sense, Stroke, TextureId, Ui, pos2, vec2};
+use egui::{
+    Align2, Color32, CursorIcon, FontId, Painter, Pos2, Rect, Response, Sense, Stroke, TextureId, Ui, pos2, vec2,
+};
 use glam::{Vec2, Vec3};
 
 /// Width of what drags the divider, in points.
@@ -23,7 +25,13 @@ impl App {
         let painter = ui.painter_at(area);
         let Some(size) = self.size() else {
             let text = self.failed.as_deref().unwrap_or(if self.busy.is_empty() { "no picture" } else { self.busy });
-            painter.text(area.center(), Align2::CENTER_CENTER, text, FontId::proportional(18.0), ui.visuals().text_color());
+            painter.text(
+                area.center(),
+                Align2::CENTER_CENTER,
+                text,
+                FontId::proportional(18.0),
+                ui.visuals().text_color(),
+            );
             return;
         };
         let fit = (area.width() * pixels / size.x).min(area.height() * pixels / size.y);
@@ -53,7 +61,9 @@ impl App {
         }
         let x = rect.left() + rect.width() * self.kept.divider;
         let handle = Rect::from_center_size(pos2(x, rect.center().y), vec2(HANDLE, rect.height()));
-        let response = ui.interact(handle, ui.scope_id().with("divider"), Sense::drag()).on_hover_cursor(CursorIcon::ResizeHorizontal);
+        let response = ui
+            .interact(handle, ui.scope_id().with("divider"), Sense::drag())
+            .on_hover_cursor(CursorIcon::ResizeHorizontal);
         if let Some(pointer) = response.interact_pointer_pos().filter(|_| response.dragged()) {
             self.kept.divider = ((pointer.x - rect.left()) / rect.width()).clamp(0.0, 1.0);
         }
@@ -88,7 +98,9 @@ impl App {
         for side in (0..2).filter(|&side| self.shows(side)) {
             let text = self.caption(side);
             let (at, align) = match (divider, side) {
-                (Some(_), 1) => (pos2(rect.right().min(area.right()) - 6.0, rect.top().max(area.top()) + 6.0), Align2::RIGHT_TOP),
+                (Some(_), 1) => {
+                    (pos2(rect.right().min(area.right()) - 6.0, rect.top().max(area.top()) + 6.0), Align2::RIGHT_TOP)
+                }
                 _ => (pos2(rect.left().max(area.left()) + 6.0, rect.top().max(area.top()) + 6.0), Align2::LEFT_TOP),
             };
             on_dark(painter, at, align, &text);
@@ -138,7 +150,8 @@ impl App {
     fn under_pointer(&self, ui: &Ui, rect: Rect, size: egui::Vec2, pointer: Pos2, divider: Option<f32>) {
         let at = (pointer - rect.min) / rect.size() * size;
         let pixel = [at.x.min(size.x - 1.0) as u32, at.y.min(size.y - 1.0) as u32];
-        let painter = ui.ctx().layer_painter(egui::LayerId::new(egui::Order::Foreground, ui.scope_id().with("pointer")));
+        let painter =
+            ui.ctx().layer_painter(egui::LayerId::new(egui::Order::Foreground, ui.scope_id().with("pointer")));
         let side = match divider {
             Some(x) => usize::from(pointer.x >= x),
             None => usize::from(!self.shows(0)),
@@ -224,10 +237,8 @@ fn samples(painter: &Painter, clip: Rect, rendered: &Rendered, pixel: [u32; 2], 
     };
     let rays = u64::from(s.shadow_rays) + u64::from(s.reflection_rays) + u64::from(s.refraction_rays);
     let pixels = f64::from(rendered.picture.width) * f64::from(rendered.picture.height);
-    let mut lines = vec![
-        format!("{}, {}   {count} of {} samples", pixel[0], pixel[1], m * m),
-        format!("{r:.3} {g:.3} {b:.3}"),
-    ];
+    let mut lines =
+        vec![format!("{}, {}   {count} of {} samples", pixel[0], pixel[1], m * m), format!("{r:.3} {g:.3} {b:.3}")];
     if rays > 0 {
         lines.push(format!("{:.2} rays a pixel", rays as f64 / pixels));
     }
@@ -258,11 +269,9 @@ mod tests {
 
     #[test]
     fn the_board_shows_what_was_shaded() {
-        let of = |technique, m, word| {
-            match shaded(&Settings { technique, ..Default::default() }, m, word) {
-                Shaded::Places(places) => places.iter().map(|&p| if p { '#' } else { '.' }).collect::<String>(),
-                Shaded::Count(k) => k.to_string(),
-            }
+        let of = |technique, m, word| match shaded(&Settings { technique, ..Default::default() }, m, word) {
+            Shaded::Places(places) => places.iter().map(|&p| if p { '#' } else { '.' }).collect::<String>(),
+            Shaded::Count(k) => k.to_string(),
         };
         assert_eq!(of(Technique::Full, 2, 0), "####");
         assert_eq!(of(Technique::Single, 2, 0), "#...");

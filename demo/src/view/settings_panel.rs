@@ -22,12 +22,12 @@ impl App {
                     self.edited = side;
                 }
             }
-            if ui.button("⇄").on_hover_text("Swaps the sides").clicked() {
+            if ui.button("↔").on_hover_text("Swaps the sides").clicked() {
                 let [a, b] = [self.sides[0].settings, self.sides[1].settings];
                 self.sides[0].set(b, "swap");
                 self.sides[1].set(a, "swap");
             }
-            if ui.button("⧉").on_hover_text("The other side gets these settings too").clicked() {
+            if ui.button("=").on_hover_text("The other side gets these settings too").clicked() {
                 let settings = self.sides[self.edited].settings;
                 self.sides[1 - self.edited].set(settings, "copy");
             }
@@ -61,7 +61,10 @@ impl App {
             ] {
                 let open = technique == of;
                 // Another id where it is open by itself, so that it opens when its technique is chosen.
-                CollapsingHeader::new(title).id_salt((path, open)).default_open(open).show(ui, |ui| self.controls(ui, path));
+                CollapsingHeader::new(title)
+                    .id_salt((path, open))
+                    .default_open(open)
+                    .show(ui, |ui| self.controls(ui, path));
             }
             CollapsingHeader::new("Node").default_open(true).show(ui, |ui| self.node(ui));
             CollapsingHeader::new("Lights").show(ui, |ui| self.lamps(ui));
@@ -113,7 +116,12 @@ impl App {
     pub fn unavailable(&self, control: &Control, settings: &Settings) -> Option<String> {
         let technique = settings.technique;
         match control.path.as_str() {
-            "execution" if matches!(technique, Technique::Full | Technique::Single | Technique::Reconstructed | Technique::Selective) => {
+            "execution"
+                if matches!(
+                    technique,
+                    Technique::Full | Technique::Single | Technique::Reconstructed | Technique::Selective
+                ) =>
+            {
                 Some(format!("{technique:?} has a way of its own to run: there is nothing to choose"))
             }
             "goal" if technique != Technique::Windowed => {
@@ -133,13 +141,16 @@ impl App {
             "Samples along one side of a pixel's window. Higher: better edges and textures; memory and raster time grow with m². \
              Compiles anew.",
         );
-        ui.checkbox(&mut self.fill, "as large as its place").on_hover_text("The picture has the pixels of its place in the window");
+        ui.checkbox(&mut self.fill, "as large as its place")
+            .on_hover_text("The picture has the pixels of its place in the window");
         ui.add_enabled_ui(!self.fill, |ui| {
             ui.horizontal(|ui| {
-                let most = (adapter.longest / m).max(1);
+                // Not known before the first scene is there.
+                let most = if adapter.longest == 0 { 16_384 } else { (adapter.longest / m).max(1) };
                 ui.add(DragValue::new(&mut width).range(1..=most).suffix(" px")).on_hover_text("Width of the picture");
                 ui.label("×");
-                ui.add(DragValue::new(&mut height).range(1..=most).suffix(" px")).on_hover_text("Height of the picture");
+                ui.add(DragValue::new(&mut height).range(1..=most).suffix(" px"))
+                    .on_hover_text("Height of the picture");
             });
         });
         ui.add(Slider::new(&mut anisotropy, 1..=16).text("anisotropy"))
@@ -168,7 +179,11 @@ impl App {
         let mut count = self.lights.count.min(most);
         ui.add_enabled_ui(most > 0, |ui| {
             let slider = ui.add(Slider::new(&mut count, 0..=most).text("lamps"));
-            if slider.on_hover_text("The scene's first lamps that shine").on_disabled_hover_text("The scene has no lamps").changed() {
+            if slider
+                .on_hover_text("The scene's first lamps that shine")
+                .on_disabled_hover_text("The scene has no lamps")
+                .changed()
+            {
                 self.lights.count = count;
             }
         });
@@ -223,7 +238,7 @@ fn row(
     ui.add_enabled_ui(reason.is_none(), |ui| {
         ui.horizontal(|ui| {
             let differs = now != default;
-            let reset = ui.add_enabled(differs, egui::Button::new("⟲").small());
+            let reset = ui.add_enabled(differs, egui::Button::new("×").small());
             if reset.on_hover_text(format!("Back to {default}")).clicked() {
                 new = Some(default.clone());
             }
@@ -301,12 +316,17 @@ fn goal(ui: &mut Ui, control: &Control, now: &Value, has_timestamps: bool, new: 
     });
     if let Some(mut error) = of("error") {
         let drag = DragValue::new(&mut error).range(0.0005..=1.0).speed(0.0005).max_decimals(4);
-        if ui.add(drag).on_hover_text("Root mean square error of the displayed image, 0 to 1: 0.01 is 40 dB").changed() {
+        if ui.add(drag).on_hover_text("Root mean square error of the displayed image, 0 to 1: 0.01 is 40 dB").changed()
+        {
             *new = Some(json!({ "error": error as f32 }));
         }
     }
     if let Some(mut time) = of("time") {
-        if ui.add(DragValue::new(&mut time).range(0.01..=1e6).suffix(" ms")).on_hover_text("Of the node's passes").changed() {
+        if ui
+            .add(DragValue::new(&mut time).range(0.01..=1e6).suffix(" ms"))
+            .on_hover_text("Of the node's passes")
+            .changed()
+        {
             *new = Some(json!({ "time": time as f32 }));
         }
     }

@@ -50,7 +50,8 @@ impl Tour {
         Self { steps, next: 0, faults: Vec::new() }
     }
 
-    /// Steps, and those that are done.
+    /// Steps that are done, and all.
+    #[cfg(test)]
     pub fn progress(&self) -> (usize, usize) {
         (self.next, self.steps.len())
     }
@@ -150,7 +151,8 @@ mod tests {
 
         fn frame(&mut self) {
             let screen_rect = Some(Rect::from_min_size(Pos2::ZERO, egui::vec2(1280.0, 800.0)));
-            let input = RawInput { screen_rect, events: std::mem::take(&mut self.events), focused: true, ..Default::default() };
+            let input =
+                RawInput { screen_rect, events: std::mem::take(&mut self.events), focused: true, ..Default::default() };
             let Self { ctx, app, .. } = self;
             let _ = ctx.run_ui(input, |ui| app.ui(ui));
         }
@@ -261,7 +263,9 @@ mod tests {
         }
         rig.app.dialog = None;
         rig.app.open("checker");
-        rig.until("the other scene", |app| app.scene_name() == "checker" && app.opened.as_ref().is_some_and(|o| o.opening == 4));
+        rig.until("the other scene", |app| {
+            app.scene_name() == "checker" && app.opened.as_ref().is_some_and(|o| o.opening == 4)
+        });
     }
 
     #[test]
@@ -271,7 +275,10 @@ mod tests {
         for (width, height, m) in [(20, 11, 2), (1, 1, 4), (33, 17, 3)] {
             rig.app.options = Options { width, height, m, ..rig.app.options };
             rig.until("the new picture", move |app| {
-                app.sides[0].rendered.as_ref().is_some_and(|r| (r.picture.width, r.picture.height, r.view.options.m) == (width, height, m))
+                app.sides[0]
+                    .rendered
+                    .as_ref()
+                    .is_some_and(|r| (r.picture.width, r.picture.height, r.view.options.m) == (width, height, m))
             });
         }
         // More than the device has: refused, and what was there goes on.
