@@ -353,6 +353,41 @@ fn settings_reach_the_frame() {
 }
 
 #[test]
+fn a_file_of_settings_reaches_the_frame_or_is_refused() {
+    let folder = Folder::new("settings");
+    let file = folder.file("s.json", br#"{"version": 1, "settings": {"technique": "full", "view": "count"}}"#);
+    let image = picture("by arguments", &["--technique", "full", "--set", "view=count"]);
+    assert!(picture("by a file", &["--settings", &file]) == image);
+    // What is given besides counts.
+    let single = picture("single", &["--technique", "single", "--set", "view=count"]);
+    assert!(picture("but single", &["--settings", &file, "--technique", "single"]) == single);
+    let wrong = folder.file("w.json", br#"{"version": 1, "settings": {"windowed": {"depth": "sideways"}}}"#);
+    refused(&["--settings", &wrong], &["w.json: settings.windowed.depth: unknown variant `sideways`"]);
+    refused(&["--settings", &file, "--preset", "fast"], &["cannot be used with"]);
+    refused(&["--settings", "/nowhere.json"], &["/nowhere.json: No such file"]);
+}
+
+#[test]
+fn a_viewer_that_has_no_window_says_so() {
+    let view = |arguments: &[&str]| {
+        let mut command = demo(&[&["view"], arguments].concat());
+        for name in ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"] {
+            command.env_remove(name);
+        }
+        command.env("XDG_CONFIG_HOME", std::env::temp_dir()).output().unwrap()
+    };
+    if cfg!(target_os = "linux") {
+        assert_refused(&view(&["--fresh", "flat"]), &["no window can be opened", "demo and render"]);
+    }
+    assert_refused(&view(&["--fresh", "--m", "9"]), &["--m: 9 is not in 1 to 8"]);
+    assert_refused(&view(&["--fresh", "--adapter", "nosuch"]), &["no graphics adapter has 'nosuch'"]);
+    assert_refused(&view(&["--fresh", "--size", "20000x9"]), &["--size: 20000x9"]);
+    assert_refused(&view(&["--settings", "/nowhere.json"]), &["/nowhere.json"]);
+    assert_refused(&view(&["--fresh", "atriun"]), &["no built-in scene 'atriun': did you mean atrium?"]);
+    assert_refused(&view(&["--fresh", "/nowhere.glb"]), &["/nowhere.glb"]);
+}
+
+#[test]
 fn the_same_command_twice_writes_the_same_bits() {
     assert!(picture("once", &["--technique", "windowed"]) == picture("twice", &["--technique", "windowed"]));
 }

@@ -5,22 +5,26 @@ use crate::goal;
 use crate::picture;
 use crate::quality;
 use crate::raster::node_camera;
+use crate::settings_file;
 use crate::stats::Stats;
 use deferred_aa::{DebugView, Goal, Preset, Settings, Technique};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// See `deferred-aa-demo render --help`.
 #[derive(Debug, clap::Args)]
 pub struct Render {
     #[command(flatten)]
     view: ViewArgs,
-    /// full, single, windowed, reconstructed, selective or multiresolution.
-    #[arg(long, default_value = "windowed", value_parser = parse_technique)]
-    technique: Technique,
-    /// The settings of windowed: fast, balanced or quality.
-    #[arg(long, default_value = "balanced", value_parser = parse_preset)]
-    preset: Preset,
-    /// On top of the preset, any field of the settings by its path, such as windowed.luminance_scale=40 or execution=loop; may be repeated.
+    /// full, single, windowed, reconstructed, selective or multiresolution; windowed, or that of --settings, if not given.
+    #[arg(long, value_parser = parse_technique)]
+    technique: Option<Technique>,
+    /// The settings of windowed: fast, balanced or quality; balanced if not given.
+    #[arg(long, value_parser = parse_preset, conflicts_with = "file")]
+    preset: Option<Preset>,
+    /// Settings that the viewer saved.
+    #[arg(long = "settings", value_name = "FILE")]
+    file: Option<PathBuf>,
+    /// On top of these, any field of the settings by its path, such as windowed.luminance_scale=40 or execution=loop; may be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     settings: Vec<String>,
     /// An error or a time to keep to, such as error=0.01 (40 dB) or time=8 (milliseconds of the node): renders until the
@@ -37,18 +41,23 @@ pub struct Render {
 
 impl Render {
     pub fn run(self) -> Result<(), CommandError> {
-        let settings = set::apply(Settings { technique: self.technique, ..self.preset.settings() }, &self.settings)?;
-        let settings = Settings { goal: self.goal, ..settings };
+        let base = match &self.file {
+            Some(path) => settings_file::load(path)?,
+            None => self.preset.unwrap_or_default().settings(),
+        };
+        let base = Settings { technique: self.technique.unwrap_or(base.technique), ..base };
+        let settings = set::apply(base, &self.settings)?;
+        let settings = Settings { goal: self.goal.or(settings.goal), ..settings };
         settings
             .validate()
             .map_err(|e| CommandError::Argument { argument: "--goal".to_owned(), problem: e.to_string() })?;
-        if self.goal.is_some() && self.technique != Technique::Windowed {
-            let problem = format!("'{:?}' has nothing to scale: use windowed", self.technique).to_lowercase();
+        if settings.goal.is_some() && settings.technique != Technique::Windowed {
+            let problem = format!("'{:?}' has nothing to scale: use windowed", settings.technique).to_lowercase();
             return Err(CommandError::Argument { argument: "--goal".to_owned(), problem });
         }
         let (mut host, camera) = self.view.open()?;
         let out = &self.view.scene.out;
-        if let Some(wanted) = self.goal {
+        if let Some(wanted) = settings.goal {
             let (frames, progress) = goal::seek(|| host.frame(&camera, settings))?;
             say(&goal::ended(wanted, frames, progress));
         }

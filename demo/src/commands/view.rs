@@ -1,12 +1,13 @@
 //! `view`: the window.
 
-use super::{CameraArg, CommandError, RayArg, TextureArg, check_m, parse_camera, parse_size, wrong};
+use super::{CameraArg, CommandError, RayArg, TextureArg, check_m, open_scene, parse_camera, parse_size, wrong};
 use crate::gpu;
 use crate::host::Options;
 use crate::raster::look_at;
+use crate::scene::builtin;
 use crate::settings_file;
 use crate::view::{self, Kept, Source, Start};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// See `deferred-aa-demo view --help`.
 #[derive(Debug, clap::Args)]
@@ -62,6 +63,10 @@ impl View {
         }
         if let Some(m) = self.m {
             kept.m = check_m(m)?;
+        }
+        // The window would open without a scene.
+        if builtin::builtin(&self.scene).is_none() && !Path::new(&self.scene).exists() {
+            open_scene(&self.scene, self.scene_index)?;
         }
         // A mistake in the adapter's name is one of the command line.
         let adapter = gpu::choose(self.adapter.as_deref())?;
