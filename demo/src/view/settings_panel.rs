@@ -286,10 +286,10 @@ fn slider(ui: &mut Ui, control: &Control, range: Range, now: &Value, new: &mut O
     };
     let mut slider = Slider::from_get_set(range.least..=range.most, get_set)
         .text(&control.label)
-        .clamping(SliderClamping::Always)
+        .clamping(SliderClamping::Edits)
         .logarithmic(range.scale == Scale::Logarithmic)
         .smallest_positive(1e-4)
-        .max_decimals(5);
+        .max_decimals(7);
     if whole {
         slider = slider.integer();
     }
@@ -321,14 +321,13 @@ fn goal(ui: &mut Ui, control: &Control, now: &Value, has_timestamps: bool, new: 
             *new = Some(json!({ "error": error as f32 }));
         }
     }
-    if let Some(mut time) = of("time") {
-        if ui
+    if let Some(mut time) = of("time")
+        && ui
             .add(DragValue::new(&mut time).range(0.01..=1e6).suffix(" ms"))
             .on_hover_text("Of the node's passes")
             .changed()
-        {
-            *new = Some(json!({ "time": time as f32 }));
-        }
+    {
+        *new = Some(json!({ "time": time as f32 }));
     }
     combo.response
 }

@@ -2,6 +2,7 @@
 
 use super::app::{App, Start};
 use super::tour::Tour;
+use egui::epaint::textures::TexturesDelta;
 use egui::{Context, ViewportId};
 use egui_wgpu::winit::Painter;
 use egui_wgpu::{RendererOptions, WgpuConfiguration, WgpuSetup};
@@ -72,6 +73,15 @@ struct Shown {
     painter: Painter,
     input: egui_winit::State,
     app: App,
+    /// Not on the device yet.
+    textures: TexturesDelta,
+}
+
+impl Drop for Shown {
+    fn drop(&mut self) {
+        // It panics if textures are left that nobody wants any more.
+        self.textures.clear();
+    }
 }
 
 struct Shell {
@@ -121,7 +131,7 @@ impl Shell {
             painter.max_texture_side(),
         );
         let app = App::new(&self.ctx, start).map_err(ViewError::Thread)?;
-        Ok(Shown { window, painter, input, app })
+        Ok(Shown { window, painter, input, app, textures: TexturesDelta::default() })
     }
 
     fn end(&mut self, event_loop: &ActiveEventLoop, outcome: Result<(), ViewError>) {
@@ -141,10 +151,11 @@ impl Shell {
         if let Some(why) = trouble {
             return self.end(event_loop, Err(ViewError::Drawing(why)));
         }
-        let Some(Shown { window, painter, input, app }) = &mut self.shown else { return };
+        let Some(Shown { window, painter, input, app, textures }) = &mut self.shown else { return };
         let raw = input.take_egui_input(window);
         let mut output = self.ctx.run_ui(raw, |ui| app.ui(ui));
         input.handle_platform_output_with_event_loop(window, event_loop, std::mem::take(&mut output.platform_output));
+        textures.append(std::mem::take(&mut output.textures_delta));
         let shapes = self.ctx.tessellate(output.shapes, output.pixels_per_point);
         let ground = self.ctx.global_style().visuals.panel_fill.to_normalized_gamma_f32();
         painter.paint_and_update_textures(
@@ -152,7 +163,7 @@ impl Shell {
             output.pixels_per_point,
             ground,
             &shapes,
-            &mut output.textures_delta,
+            textures,
             Vec::new(),
             window,
         );

@@ -138,6 +138,7 @@ pub struct Rendered {
 
 /// What the thread says.
 #[derive(Debug)]
+#[expect(clippy::large_enum_variant, reason = "there are a few a second")]
 pub enum Event {
     /// A scene is there. The old one is gone.
     Opened(Box<Opened>),
