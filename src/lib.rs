@@ -112,3 +112,8 @@ pub const HOST_GROUP: u32 = 2;
 
 /// Pixels along one side of a tile.
 pub const TILE: u32 = 8;
+
+/// The blocks of the guide are compiled by the tests.
+#[cfg(doctest)]
+#[doc = include_str!("../docs/integration.md")]
+struct Integration;

@@ -514,6 +514,13 @@ impl App {
                 self.dialog = Some(Dialog::Keys);
             }
             ui.separator();
+            for (scale, name) in [(None, "fit"), (Some(1.0), "1:1"), (Some(2.0), "2:1"), (Some(4.0), "4:1")] {
+                let label = ui.selectable_label(self.scale == scale, name);
+                if label.on_hover_text("Pixels of the screen for one of the picture").clicked() {
+                    self.scale = scale;
+                }
+            }
+            ui.separator();
             ui.label(self.scene_name());
             if !self.busy.is_empty() {
                 ui.spinner();

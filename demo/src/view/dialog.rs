@@ -103,7 +103,7 @@ const KEYS: [(&str, &str); 18] = [
     ("Ctrl+S", "save the settings"),
     ("Ctrl+Z, Ctrl+Y", "undo and redo, of the side whose controls are shown"),
     ("Tab, Shift+Tab", "from control to control"),
-    ("← →", "move the slider that has the focus"),
+    ("Left, Right", "move the slider that has the focus"),
     ("Ctrl+plus, Ctrl+minus", "larger and smaller text"),
     ("Esc", "close a window; leave a control, so that the keys above act"),
 ];

@@ -35,8 +35,6 @@ impl App {
             return;
         };
         let fit = (area.width() * pixels / size.x).min(area.height() * pixels / size.y);
-        // Whole multiples keep pixels alike.
-        let fit = if fit >= 1.0 && !self.fill { fit.floor() } else { fit };
         let scale = self.scale.unwrap_or(fit) / pixels;
         let rect = Rect::from_center_size(area.center(), vec2(size.x * scale, size.y * scale));
         let divider = self.divider(ui, rect);

@@ -22,12 +22,12 @@ impl App {
                     self.edited = side;
                 }
             }
-            if ui.button("↔").on_hover_text("Swaps the sides").clicked() {
+            if ui.button("swap").on_hover_text("Swaps the sides").clicked() {
                 let [a, b] = [self.sides[0].settings, self.sides[1].settings];
                 self.sides[0].set(b, "swap");
                 self.sides[1].set(a, "swap");
             }
-            if ui.button("=").on_hover_text("The other side gets these settings too").clicked() {
+            if ui.button("copy").on_hover_text("The other side gets these settings too").clicked() {
                 let settings = self.sides[self.edited].settings;
                 self.sides[1 - self.edited].set(settings, "copy");
             }
