@@ -10,8 +10,8 @@ struct Folder(PathBuf);
 impl Folder {
     fn new(name: &str) -> Self {
         let path = std::env::temp_dir().join(format!("deferred-aa-commands-{}-{name}", std::process::id()));
-        let _ = std::fs::remove_dir_all(&path);
-        std::fs::create_dir_all(&path).unwrap();
+        // Tests run beside each other: a name that two of them took would be shared.
+        std::fs::create_dir(&path).unwrap();
         Self(path)
     }
 
@@ -359,7 +359,7 @@ fn a_file_of_settings_reaches_the_frame_or_is_refused() {
     let image = picture("by arguments", &["--technique", "full", "--set", "view=count"]);
     assert!(picture("by a file", &["--settings", &file]) == image);
     // What is given besides counts.
-    let single = picture("single", &["--technique", "single", "--set", "view=count"]);
+    let single = picture("single by arguments", &["--technique", "single", "--set", "view=count"]);
     assert!(picture("but single", &["--settings", &file, "--technique", "single"]) == single);
     let wrong = folder.file("w.json", br#"{"version": 1, "settings": {"windowed": {"depth": "sideways"}}}"#);
     refused(&["--settings", &wrong], &["w.json: settings.windowed.depth: unknown variant `sideways`"]);
