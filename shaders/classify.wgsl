@@ -20,7 +20,7 @@ struct DaaTileClass {
 struct DaaTileLists {
     /// 0: with a surface, 1: with one that sends rays.
     classes: array<DaaTileClass, 2>,
-    /// Indices of tiles, in no order; those of class 1 begin at the number of all tiles.
+    /// Indices of tiles, in no order; those of class 1 begin at the number of all tiles. Behind them, by tile, a bit for each class.
     tiles: array<u32>,
 }
 
@@ -46,9 +46,13 @@ fn daa_classify_main(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocati
     workgroupBarrier();
     let all_tiles = daa_frame.tiles_x * ((daa_frame.size.y + 7u) / 8u);
     let of_tile = atomicLoad(&daa_found) & wanted;
+    let index = tile.y * daa_frame.tiles_x + tile.x;
+    if lane == 0u {
+        daa_tile_lists.tiles[2u * all_tiles + index] = of_tile;
+    }
     if lane < 2u && ((of_tile >> lane) & 1u) != 0u {
         let place = atomicAdd(&daa_tile_lists.classes[lane].count, 1u);
-        daa_tile_lists.tiles[lane * all_tiles + place] = tile.y * daa_frame.tiles_x + tile.x;
+        daa_tile_lists.tiles[lane * all_tiles + place] = index;
     }
 }
 

@@ -68,6 +68,8 @@ struct DaaFrame {
     lattice_color: f32,
     /// Where its position does, over its distance.
     lattice_position: f32,
+    /// Lights whose shadows the frame traces.
+    casting: u32,
     /// Thresholds of `select` for objects, normals, shadow and textures; above 1: off.
     selective_primary: vec4f,
     /// For those of what is reflected and refracted.

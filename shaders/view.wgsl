@@ -2,6 +2,10 @@
 
 @group(3) @binding(0) var daa_first: texture_2d<f32>;
 @group(3) @binding(1) var<storage, read> daa_plan: array<u32>;
+/// `DaaTileLists` of classify.wgsl, word by word. Nothing but zeros, as the next, unless what it holds is shown.
+@group(3) @binding(2) var<storage, read> daa_tile_lists: array<u32>;
+/// Of trace.wgsl.
+@group(3) @binding(3) var<storage, read> daa_shadows: array<u32>;
 
 @vertex
 fn daa_view_vertex(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
@@ -18,6 +22,49 @@ fn daa_label(i: u32) -> vec3f {
     let state = i * 747796405u + 2891336453u;
     let word = ((state >> ((state >> 28u) + 4u)) ^ state) * 277803737u;
     return unpack4x8unorm((word >> 22u) ^ word).rgb * 0.8 + 0.1;
+}
+
+/// Surfaces among the samples of a window.
+fn daa_surfaces(pixel: vec2u) -> u32 {
+    var identities: array<u32, 64>;
+    var different = 0u;
+    var sky = 0u;
+    for (var rank = 0u; rank < DAA_M * DAA_M; rank++) {
+        let at = pixel * DAA_M + daa_order(rank);
+        if textureLoad(daa_gbuffer_depth, at, 0) <= DAA_SKY_DEPTH {
+            sky = 1u;
+            continue;
+        }
+        let identity = textureLoad(daa_gbuffer_surface, at, 0).y;
+        var i = 0u;
+        while i < different && identities[i] != identity {
+            i++;
+        }
+        if i == different {
+            identities[i] = identity;
+            different++;
+        }
+    }
+    return different + sky;
+}
+
+/// Where classify.wgsl writes down the classes of a pixel's tile, behind both lists: 1 with a surface, 2 with one that sends rays.
+fn daa_tile_classes(pixel: vec2u) -> u32 {
+    let all_tiles = daa_frame.tiles_x * ((daa_frame.size.y + 7u) >> 3u);
+    return daa_tile_lists[8u + 2u * all_tiles + (pixel.y >> 3u) * daa_frame.tiles_x + (pixel.x >> 3u)];
+}
+
+/// By channel, the share of its casting lights that reach where these bits are. One light alone is white.
+fn daa_reached(bits: u32) -> vec3f {
+    var lights = vec3f(0.0);
+    var reach = vec3f(0.0);
+    for (var i = 0u; i < daa_frame.casting; i++) {
+        let channel = vec3f(vec3u(i % 3u) == vec3u(0u, 1u, 2u));
+        lights += channel;
+        reach += channel * f32(1u - ((bits >> i) & 1u));
+    }
+    let share = reach / max(lights, vec3f(1.0));
+    return select(share, share.xxx, daa_frame.casting == 1u);
 }
 
 @fragment
@@ -71,6 +118,16 @@ fn daa_view_fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
             let own = (daa_frame.flags & DAA_FLAG_LATTICE) != 0u && (plan & 0x8000u) != 0u;
             let place = (plan >> 12u) & 7u;
             c = vec3f(f32(place == 0u || place >= 3u), f32(place < 4u), f32(place < 2u)) * f32(own);
+        }
+        case 15u: { // Surfaces
+            c = daa_heat(log2(f32(daa_surfaces(pixel))) / max(log2(f32(DAA_M * DAA_M)), 1.0));
+        }
+        case 16u: { // Tiles: black nothing, blue a surface, yellow one that sends rays
+            let classes = daa_tile_classes(pixel);
+            c = select(vec3f(0.0), select(vec3f(0.0, 0.0, 1.0), vec3f(1.0, 1.0, 0.0), (classes & 2u) != 0u), classes != 0u);
+        }
+        case 17u: { // Shadows: red, green and blue lights in turn
+            c = select(daa_reached(daa_shadows[daa_sample_index(pixel, 0u)]), vec3f(0.0), sky);
         }
         default: {}
     }

@@ -1,7 +1,7 @@
 //! What one frame needs from the host, and how it reaches the shaders.
 
 use crate::audit::Audited;
-use crate::effects::Needs;
+use crate::effects::{Needs, Traced};
 use crate::error::RecordError;
 use crate::settings::{ColorReference, DepthMeasure, Effect, LuminanceCurve, Settings, Technique, Weight, Windowed};
 use crate::window;
@@ -93,7 +93,7 @@ pub(crate) struct FrameUniform {
     pub reconstruct_least: f32,
     pub lattice_color: f32,
     pub lattice_position: f32,
-    pub padding: u32,
+    pub casting: u32,
     pub selective_primary: [f32; 4],
     pub selective_secondary: [f32; 4],
     pub selective_color: f32,
@@ -143,6 +143,7 @@ impl FrameUniform {
         if !(frame.exposure.is_finite() && frame.exposure > 0.0) {
             return Err(RecordError::Exposure(frame.exposure));
         }
+        let traced = Traced::of(&frame.settings, &frame.needs);
         let w = &frame.settings.windowed;
         let r = &frame.settings.reconstructed;
         // Only a window with more samples to come may leave something to them.
@@ -244,7 +245,7 @@ impl FrameUniform {
             reconstruct_least: r.least_weight,
             lattice_color: l.color_threshold,
             lattice_position: l.position_threshold,
-            padding: 0,
+            casting: if traced.shadows { frame.needs.shadows.len() as u32 } else { 0 },
             selective_primary: std::array::from_fn(|i| thresholds[1 + i]),
             selective_secondary: std::array::from_fn(|i| thresholds[5 + i]),
             selective_color: thresholds[0],

@@ -171,7 +171,7 @@ fn every_joined_module_is_sound_and_has_the_frame() {
         reconstruct_least,
         lattice_color,
         lattice_position,
-        padding,
+        casting,
         selective_primary,
         selective_secondary,
         selective_color,

@@ -616,11 +616,23 @@ pub enum DebugView {
     /// On what lattice of [`Technique::MultiResolution`] a pixel was shaded: white pixels, cyan shifted ones, green every second,
     /// yellow fourth, red eighth; black: interpolated.
     Levels = 14,
+    /// How many surfaces the window's samples see, each an object with a material, the sky one too, on a log scale: 1 black, through red and
+    /// yellow, n white. Where it is black there is no edge between surfaces, only within one.
+    Surfaces = 15,
+    /// For what rays were dispatched over each tile of 8 × 8 pixels: black nothing, blue shadow rays, as it holds a surface, yellow
+    /// mirrored and refracted ones too, as one of its materials sends them. Black in a frame that traces nothing, and where
+    /// [`Technique::MultiResolution`] casts at the points of its lattices alone.
+    Tiles = 16,
+    /// Which casting lights reach the first sample, as if the first of [`Needs::shadows`](crate::Needs::shadows) were red, the second
+    /// green, the third blue, the fourth red again: each channel is the share of its lights that do. A single light is white. A
+    /// light that shines from behind does not reach; one that is out of its own range counts as if it did. Black: none does, the sky, or a
+    /// frame that traces no shadows.
+    Shadows = 17,
 }
 
 impl DebugView {
     /// All of them, in order.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 18] = [
         Self::Image,
         Self::Count,
         Self::Decided,
@@ -636,6 +648,9 @@ impl DebugView {
         Self::User,
         Self::Quadrants,
         Self::Levels,
+        Self::Surfaces,
+        Self::Tiles,
+        Self::Shadows,
     ];
 }
 

@@ -145,10 +145,10 @@ impl Traces {
         })
     }
 
-    /// Of the lists of tiles: a word for each tile and class.
+    /// Of the lists of tiles: a word for each tile and class, and one for each tile's classes.
     pub fn tile_bytes(size: [u32; 2]) -> u64 {
         let [x, y] = scratch::tiles(size).map(u64::from);
-        Self::CLASSES_BYTES + 2 * x * y * 4
+        Self::CLASSES_BYTES + 3 * x * y * 4
     }
 
     /// Clears what a frame counts and what it may leave out.

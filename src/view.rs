@@ -3,16 +3,28 @@
 use crate::error::PipelineError;
 use crate::pipeline::{Build, Lazy, PassInfo, Resource, entry};
 use crate::scratch::Scratch;
+use crate::traces::Traces;
 use crate::wgsl;
 
 pub(crate) const NAME: &str = "view";
 
-/// It reads the first samples and the plan of frames that have them.
-pub(crate) const fn info(first: bool, planned: bool) -> PassInfo {
-    let reads: &[Resource] = match (first, planned) {
-        (_, true) => &[Resource::GBuffer, Resource::First, Resource::Plan],
-        (true, false) => &[Resource::GBuffer, Resource::First],
-        (false, false) => &[Resource::GBuffer],
+/// What it shows of a frame's rays.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) enum Seen {
+    /// Where they were dispatched.
+    Tiles,
+    /// What they found.
+    Traced,
+}
+
+/// It reads the first samples and the plan of frames that have them, or what it shows of rays.
+pub(crate) const fn info(first: bool, planned: bool, seen: Option<Seen>) -> PassInfo {
+    let reads: &[Resource] = match (seen, first, planned) {
+        (Some(Seen::Tiles), ..) => &[Resource::GBuffer, Resource::Tiles],
+        (Some(Seen::Traced), ..) => &[Resource::GBuffer, Resource::Traced],
+        (None, _, true) => &[Resource::GBuffer, Resource::First, Resource::Plan],
+        (None, true, false) => &[Resource::GBuffer, Resource::First],
+        (None, false, false) => &[Resource::GBuffer],
     };
     PassInfo { name: NAME, reads, writes: &[Resource::Target] }
 }
@@ -20,6 +32,8 @@ pub(crate) const fn info(first: bool, planned: bool) -> PassInfo {
 #[derive(Debug)]
 pub(crate) struct View {
     layout: wgpu::BindGroupLayout,
+    /// For frames of whose rays nothing is shown.
+    nothing: wgpu::Buffer,
     pipeline: Lazy<wgpu::RenderPipeline>,
 }
 
@@ -28,18 +42,27 @@ impl View {
         let fragment = wgpu::ShaderStages::FRAGMENT;
         let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("daa view"),
-            entries: &[entry::texture(0, fragment), entry::buffer(1, fragment, true)],
+            entries: &[
+                entry::texture(0, fragment),
+                entry::buffer(1, fragment, true),
+                entry::buffer(2, fragment, true),
+                entry::buffer(3, fragment, true),
+            ],
         });
-        Self { layout, pipeline: Lazy::default() }
+        Self { layout, nothing: Traces::nothing(device), pipeline: Lazy::default() }
     }
 
-    pub fn bind(&self, device: &wgpu::Device, scratch: &Scratch) -> wgpu::BindGroup {
+    pub fn bind(&self, device: &wgpu::Device, scratch: &Scratch, traces: Option<&Traces>) -> wgpu::BindGroup {
+        let tiles = traces.map_or(&self.nothing, |traces| &traces.tiles);
+        let shadows = traces.and_then(|traces| traces.shadows.as_ref()).unwrap_or(&self.nothing);
         device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("daa view"),
             layout: &self.layout,
             entries: &[
                 wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&scratch.first) },
                 wgpu::BindGroupEntry { binding: 1, resource: scratch.plan.as_entire_binding() },
+                wgpu::BindGroupEntry { binding: 2, resource: tiles.as_entire_binding() },
+                wgpu::BindGroupEntry { binding: 3, resource: shadows.as_entire_binding() },
             ],
         })
     }

@@ -125,7 +125,8 @@ pub struct Intermediates<'a> {
     /// traced what was there before.
     pub shadows: Option<&'a wgpu::Buffer>,
     /// The tiles in which rays were wanted, once a frame traced: `DaaTileLists` of classify.wgsl, two classes of four words, of
-    /// which the first counts, then the tiles of either.
+    /// which the first counts, then the tiles of either, then a word for each tile, bit 0 with a surface, bit 1 with one that sends
+    /// rays.
     pub tile_lists: Option<&'a wgpu::Buffer>,
     /// What they reflect and refract, likewise: codes of shared_exponent.wgsl, 0 where nothing was traced. Behind them, once
     /// [`Technique::Selective`] ran, what the rays of first samples met: `daa_secondary_hit` of secondary.wgsl, word by word.

@@ -11,6 +11,7 @@ use crate::settings::{DebugView, Execution, Goal, Settings, Technique};
 use crate::shade::{self, Variant};
 use crate::statistics::MAX_PASSES;
 use crate::traces::Samples;
+use crate::view::Seen;
 use crate::{
     audit, bounce, classify, extra, first, map, max_filter, metrics, plan, points, reconstruct, refine, select, view,
 };
@@ -54,6 +55,7 @@ pub(super) enum Step {
     View {
         first: bool,
         planned: bool,
+        seen: Option<Seen>,
     },
     Audit,
 }
@@ -91,10 +93,16 @@ pub(super) fn order(settings: &Settings, traced: Traced) -> [Option<Step>; MAX_P
     let before = if technique == Technique::Full { Samples::Full } else { Samples::First };
     let beyond = if reconstructs { Samples::Geometric } else { Samples::Planned };
     let more = planned || reconstructs || selects;
+    // Lattices cast by points, not by tiles.
+    let classifies = traced.any() && (!refined || more);
+    let seen = match settings.view {
+        DebugView::Tiles => classifies.then_some(Seen::Tiles),
+        DebugView::Shadows => traced.shadows.then_some(Seen::Traced),
+        _ => None,
+    };
 
     let mut steps = Steps::default();
-    // Lattices cast by points, not by tiles.
-    steps.add((traced.any() && (!refined || more)).then_some(Step::Classify { bounces: traced.secondary }));
+    steps.add(classifies.then_some(Step::Classify { bounces: traced.secondary }));
     if refined {
         for (i, place) in lattice::places(lattices, Use::Rays).filter(|_| traced.any()).enumerate() {
             steps.add((i > 0).then_some(Step::Refine(Use::Rays, place)));
@@ -124,7 +132,7 @@ pub(super) fn order(settings: &Settings, traced: Traced) -> [Option<Step>; MAX_P
         shade,
         Some(match settings.view {
             DebugView::Image => Step::Resolve(source),
-            _ => Step::View { first: first || refined, planned: more || refined },
+            _ => Step::View { first: first || refined, planned: more || refined, seen },
         }),
     ]);
     if audited {
@@ -192,7 +200,7 @@ impl Step {
             Self::Refine(of, _) => Self::Refine(of, Place::Pixels),
             Self::Points(_) => Self::Points(Place::Pixels),
             Self::Map { .. } => Self::Map { supersampled: false },
-            Self::View { .. } => Self::View { first: false, planned: false },
+            Self::View { .. } => Self::View { first: false, planned: false, seen: None },
             own => own,
         };
         (step, of)
@@ -233,7 +241,7 @@ impl Step {
             Self::Extra { .. } if traced => extra::INFO_TRACED,
             Self::Extra { .. } => extra::INFO,
             Self::Resolve(source) => source.info(),
-            Self::View { first, planned } => view::info(first, planned),
+            Self::View { first, planned, seen } => view::info(first, planned, seen),
             Self::Audit if traced => audit::INFO_TRACED,
             Self::Audit => audit::INFO,
         }

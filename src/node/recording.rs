@@ -49,9 +49,11 @@ impl Recording<'_> {
                 let group = lattice.map_or(&sized.resolve, |made| &made.resolve);
                 self.fullscreen(encoder, pass, pipeline, (frame, group), timestamps);
             }
-            Step::View { .. } => {
+            Step::View { seen, .. } => {
                 let pipeline = own.view.pipeline(&own.build).ok();
-                self.fullscreen(encoder, pass, pipeline, (frame, &sized.view), timestamps);
+                let bound = sized.traced.as_ref().and_then(|t| t.bound.as_ref()).filter(|_| seen.is_some());
+                let group = bound.map_or(&sized.view, |bound| &bound.view);
+                self.fullscreen(encoder, pass, pipeline, (frame, group), timestamps);
             }
             _ => self.compute(encoder, pass, sized, timestamps),
         }

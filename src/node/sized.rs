@@ -57,6 +57,7 @@ pub(super) struct BoundTraces {
     pub classify: wgpu::BindGroup,
     pub trace: Option<wgpu::BindGroup>,
     pub bounce: Option<wgpu::BindGroup>,
+    pub view: wgpu::BindGroup,
 }
 
 /// Lattices and what binds them; for rays, once something is traced.
@@ -134,7 +135,7 @@ impl Sized {
             reconstruct: pipelines.reconstruct.bind(device, &scratch),
             select: None,
             resolve: pipelines.resolve.bind(device, &scratch, None),
-            view: pipelines.view.bind(device, &scratch),
+            view: pipelines.view.bind(device, &scratch, None),
             audit: pipelines.audit.bind(device, &scratch),
             lattices: None,
             lists: [None, None],
@@ -287,6 +288,7 @@ impl Sized {
                 classify: tracing.classify.bind(device, scratch, traces, &buffers.bouncing),
                 trace: tracing.trace.bind(device, scratch, traces, scene),
                 bounce: tracing.bounce.bind(device, scratch, traces, scene, &buffers.bouncing),
+                view: pipelines.view.bind(device, scratch, Some(traces)),
             });
         }
         Ok(())

@@ -291,7 +291,8 @@ fn compare(effect: Effect) {
     let mut host = host(scene, 2, SIZE);
     let mut all = Seen::default();
     for way in ways() {
-        for view in [DebugView::Image, DebugView::Count] {
+        let traced: &[DebugView] = if effect == Effect::Off { &[] } else { &[DebugView::Tiles, DebugView::Shadows] };
+        for &view in [DebugView::Image, DebugView::Count].iter().chain(traced) {
             let settings = Settings { view, shadows: effect, reflections: effect, refraction: effect, ..way };
             let whole = host.frame(&camera, settings).expect("a frame").statistics;
             let (expected, held) = (host.picture().rgba, host.aa.memory());

@@ -5,6 +5,7 @@ mod api;
 mod bounces;
 mod bounces_twin;
 mod checker;
+mod debug_views;
 mod example;
 mod goals;
 mod graph;

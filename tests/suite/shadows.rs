@@ -40,7 +40,7 @@ pub fn tiers() -> Vec<RayTier> {
 }
 
 /// The bits of the last frame, `[y · width + x][rank]`.
-fn bits(host: &Host) -> Vec<Vec<u32>> {
+pub fn bits(host: &Host) -> Vec<Vec<u32>> {
     let passed = host.aa.intermediates().expect("a size");
     let all: Vec<u32> = pod_collect_to_vec(&host.gpu.read_buffer(passed.shadows.expect("a frame that traced")));
     let slots = (passed.tiles[0] * passed.tiles[1] * 64) as usize;
@@ -225,7 +225,7 @@ pub fn scene(meshes: Vec<Mesh>, placed: &[(usize, Mat4)]) -> Scene {
     Scene { name: "made".to_owned(), meshes, instances, materials, ..Default::default() }
 }
 
-fn sun(to_sun: Vec3) -> Option<Sun> {
+pub fn sun(to_sun: Vec3) -> Option<Sun> {
     Some(Sun { to_sun: to_sun.normalize(), irradiance: Vec3::splat(3.0), casts: true })
 }
 

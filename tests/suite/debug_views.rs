@@ -1,0 +1,151 @@
+//! Debug views against what the frame is known to hold.
+
+use crate::harness::{Rig, SHOW_USER, Sample};
+use crate::shadows::{bits, full, host, light, looking, scene, square, sun};
+use bytemuck::pod_collect_to_vec;
+use deferred_aa::glam::{Mat4, Vec3, vec3};
+use deferred_aa::reference::classify::classify;
+use deferred_aa::{DebugView, Effect, MultiResolution, Settings, Technique, window};
+use deferred_aa_demo::host::Host;
+use deferred_aa_demo::rays::{bouncing, casting_lights};
+use deferred_aa_demo::scene::{Instance, LightKind, Sun, builtin};
+use std::collections::BTreeSet;
+
+pub const TECHNIQUES: [Technique; 6] = [
+    Technique::Full,
+    Technique::Single,
+    Technique::Windowed,
+    Technique::Reconstructed,
+    Technique::Selective,
+    Technique::MultiResolution,
+];
+
+fn every_technique() -> impl Iterator<Item = Settings> {
+    let plain = TECHNIQUES.map(|technique| Settings { technique, ..Default::default() });
+    let multi_resolution = MultiResolution { supersampled: false, ..Default::default() };
+    plain.into_iter().chain([Settings {
+        technique: Technique::MultiResolution,
+        multi_resolution,
+        ..Default::default()
+    }])
+}
+
+/// Black through red and yellow to white.
+fn heat(t: f32) -> [f32; 3] {
+    [t * 3.0, t * 3.0 - 1.0, t * 3.0 - 2.0].map(|c| c.clamp(0.0, 1.0))
+}
+
+fn near(a: [f32; 4], b: [f32; 3]) -> bool {
+    a[3] == 1.0 && (0..3).all(|i| (a[i] - b[i]).abs() < 2e-3)
+}
+
+#[test]
+fn surfaces_are_counted() {
+    // Columns of up to all different samples, some of them sky; identities that differ in one of object and material.
+    let sample = |x: u32, y: u32| {
+        let (window, place) = (x / 3, y % 3 * 3 + x % 3);
+        let which = place.min(window);
+        match which {
+            8 => Sample::SKY,
+            which => Sample { object: 1 + which / 2, material: which % 2, ..Default::default() },
+        }
+    };
+    let mut rig = Rig::new(3, 12, 9, SHOW_USER);
+    rig.fill(sample);
+    for settings in every_technique() {
+        let view = rig.run(Settings { view: DebugView::Surfaces, ..settings });
+        for (i, found) in (0..).zip(&view.image) {
+            let (x, y) = (i % 12, i / 12);
+            let identity = |s: Sample| (s.depth > 0.0).then_some((s.object, s.material));
+            let seen: BTreeSet<_> = (0..9).map(|i| identity(sample(x * 3 + i % 3, y * 3 + i / 3))).collect();
+            assert_eq!(seen.len(), (x as usize + 1).min(9));
+            let expected = heat((seen.len() as f32).log2() / 9f32.log2());
+            assert!(near(*found, expected), "{:?} {x} {y}: {found:?} {expected:?}", settings.technique);
+        }
+    }
+}
+
+fn shown(host: &mut Host, settings: Settings) -> Vec<[f32; 4]> {
+    let camera = host.scene.default_camera();
+    host.frame(&camera, settings).expect("a frame");
+    host.picture().rgba
+}
+
+fn untraced(settings: Settings) -> Settings {
+    Settings { shadows: Effect::Off, reflections: Effect::Off, refraction: Effect::Off, ..settings }
+}
+
+/// Of one light it is the shadow as it falls.
+#[test]
+fn a_shadow_is_dark() {
+    let mut under = scene(vec![square()], &[(0, Mat4::from_scale(Vec3::splat(4.0)))]);
+    under.instances.push(Instance { mesh: 0, world_from_mesh: Mat4::from_translation(vec3(0.0, 2.0, 0.0)), object: 2 });
+    under.sun = sun(Vec3::Y);
+    let camera = looking(vec3(0.0, 1.0, 7.0), Vec3::ZERO, 0.1);
+    let mut made = host(under, 2, [33, 33]);
+    made.frame(&camera, Settings { view: DebugView::Shadows, ..full() }).unwrap();
+    let image = made.picture();
+    let at = |x: usize, y: usize| image.rgba[y * 33 + x];
+    assert!(near(at(16, 16), [0.0; 3]), "under the square: {:?}", at(16, 16));
+    assert!(near(at(16, 24), [1.0; 3]), "before it: {:?}", at(16, 24));
+    assert!(near(at(0, 0), [0.0; 3]), "the sky: {:?}", at(0, 0));
+}
+
+/// On every technique, one after the other: each pixel has the colour of its tile's classes, and that of the lights that reach it.
+#[test]
+fn rays_are_shown_on_every_technique() {
+    let (m, size) = (2, [61, 35]);
+    let mut scene = builtin::builtin("mirrors").unwrap();
+    scene.sun = Some(Sun { to_sun: vec3(0.3, 0.9, 0.5).normalize(), irradiance: Vec3::ONE, casts: true });
+    for i in 0..4 {
+        let position = vec3(-3.0 + i as f32 * 2.0, 4.0, 2.0);
+        scene.lights.push(light(LightKind::Point, position, 100.0));
+    }
+    let sent = bouncing(&scene);
+    let lights = casting_lights(&scene, true).len();
+    assert!(lights > 4, "{lights}");
+    let mut host = host(scene, m, size);
+    for settings in every_technique() {
+        let of = |view| Settings { view, ..settings };
+        let image = shown(&mut host, of(DebugView::Tiles));
+        let gbuffer = host.aa.gbuffer().unwrap();
+        let surface: Vec<[u32; 2]> = pod_collect_to_vec(&host.gpu.read_texture(gbuffer.color[0].texture(), 8));
+        let depths = host.depths();
+        let [surfaces, bounces] = classify(&depths, &surface, size, m, |material| sent.contains(&material));
+        let by_points = settings.technique == Technique::MultiResolution && !settings.multi_resolution.supersampled;
+        let mut seen = [0; 3];
+        for (i, found) in (0..).zip(&image) {
+            let tile = i / size[0] / 8 * size[0].div_ceil(8) + i % size[0] / 8;
+            let class = usize::from(surfaces.contains(&tile)) + usize::from(bounces.contains(&tile));
+            let expected = if by_points { [0.0; 3] } else { [[0.0; 3], [0.0, 0.0, 1.0], [1.0, 1.0, 0.0]][class] };
+            assert!(near(*found, expected), "{settings:?}, pixel {i}: {found:?} {expected:?}");
+            seen[class] += 1;
+        }
+        assert!(seen[1] > 50 && seen[2] > 50, "{seen:?}");
+
+        let image = shown(&mut host, of(DebugView::Shadows));
+        let first = match settings.technique {
+            Technique::Reconstructed if settings.reconstructed.rotated_grid => window::rotated(m),
+            Technique::Selective => window::centred(m),
+            _ => window::order(m),
+        }[0];
+        let mut colors = BTreeSet::new();
+        for (i, (found, ranks)) in (0..).zip(image.iter().zip(bits(&host))) {
+            let (x, y) = (i % size[0] * m + u32::from(first.0), i / size[0] * m + u32::from(first.1));
+            let mut lit = [0.0; 3];
+            for (channel, lit) in lit.iter_mut().enumerate() {
+                let of_channel: Vec<_> = (channel..lights).step_by(3).collect();
+                let reach = of_channel.iter().filter(|&light| ranks[0] >> light & 1 == 0).count();
+                *lit = reach as f32 / of_channel.len() as f32;
+            }
+            let expected = if depths[(y * size[0] * m + x) as usize] > 0.0 { lit } else { [0.0; 3] };
+            assert!(near(*found, expected), "{:?}, pixel {i}: {found:?} {expected:?}", settings.technique);
+            colors.insert(expected.map(f32::to_bits));
+        }
+        assert!(colors.len() > 4, "{colors:?}");
+    }
+    for view in [DebugView::Tiles, DebugView::Shadows] {
+        let image = shown(&mut host, untraced(Settings { view, ..full() }));
+        assert!(image.iter().all(|c| near(*c, [0.0; 3])), "{view:?}: nothing is traced");
+    }
+}
