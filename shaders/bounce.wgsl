@@ -3,6 +3,7 @@
 // CPU twin: src/reference/bounce.rs.
 
 /// What was found, rank by rank: codes of shared_exponent.wgsl. For `Selective` also what the rays of first samples met, behind them.
+/// Where they are kept, the rays of each behind both: mirrored ones, refracted ones · 2¹⁶.
 @group(3) @binding(5) var<storage, read_write> daa_secondary: array<u32>;
 /// A bit for each material: it sends rays.
 @group(3) @binding(9) var<storage, read> daa_bouncing: array<u32>;
@@ -203,6 +204,9 @@ fn daa_bounce_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocatio
             let origin = s.relative_position + s.geometric_normal * select(offset, -offset, kind == 1u);
             sum += weight * daa_arriving(pixel, rank, origin, normalize(direction), kind == 1u, b.ior, s.object, cone);
             rays += select(vec2u(1u, 0u), vec2u(0u, 1u), kind == 1u);
+            if daa_casting.keeps != 0u && caster.inside {
+                daa_secondary[daa_sample_index(pixel, DAA_M * DAA_M + 6u + rank)] += 1u << (kind * 16u);
+            }
             traced = true;
             if keeps_hits {
                 let word = DAA_M * DAA_M + kind * 3u;

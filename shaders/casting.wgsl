@@ -37,6 +37,8 @@ struct DaaCasting {
     count: u32,
     /// DAA_SAMPLES_*.
     samples: u32,
+    /// 1: the rays of each sample are written down, for the debug view of them.
+    keeps: u32,
     /// Of DAA_SAMPLES_POINTS.
     @align(16) step: DaaStep,
     lights: array<DaaCastingLight, 32>,

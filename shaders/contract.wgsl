@@ -114,6 +114,7 @@ const DAA_FLAG_VETO: u32 = 0x400000u;
 const DAA_FLAG_WEIGHTED: u32 = 0x800000u;
 const DAA_FLAG_SUPERSAMPLED: u32 = 0x1000000u;
 const DAA_FLAG_LATTICE: u32 = 0x2000000u;
+const DAA_FLAG_BOUNCES: u32 = 0x4000000u;
 
 /// One sample of the G-buffer, as `material`, `shade` and `sky` see it.
 struct DaaSample {

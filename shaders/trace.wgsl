@@ -1,7 +1,7 @@
 // trace: from the samples that will be shaded, rays towards the lights that cast shadows. Joined with casting.wgsl, rays.wgsl and
 // the chunk of a tier. CPU twin: src/reference/trace.rs.
 
-/// The shadow bits of all samples, rank by rank.
+/// The shadow bits of all samples, rank by rank. Where they are kept, the rays of each behind them, likewise.
 @group(3) @binding(5) var<storage, read_write> daa_shadows: array<u32>;
 
 var<workgroup> daa_group_rays: array<u32, 64>;
@@ -60,6 +60,10 @@ fn daa_trace_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation
         }
         if caster.inside {
             daa_shadows[daa_sample_index(caster.pixel, caster.rank)] = bits.x;
+            if daa_casting.keeps != 0u {
+                // A sample may be cast for at a lattice's point and by the plan.
+                daa_shadows[daa_sample_index(caster.pixel, DAA_M * DAA_M + caster.rank)] += bits.y;
+            }
         }
         if daa_casting.samples == DAA_SAMPLES_POINTS {
             daa_points[caster.found].x = bits.x;

@@ -6,6 +6,8 @@
 @group(3) @binding(2) var<storage, read> daa_tile_lists: array<u32>;
 /// Of trace.wgsl.
 @group(3) @binding(3) var<storage, read> daa_shadows: array<u32>;
+/// Of bounce.wgsl.
+@group(3) @binding(4) var<storage, read> daa_secondary: array<u32>;
 
 @vertex
 fn daa_view_vertex(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
@@ -65,6 +67,20 @@ fn daa_reached(bits: u32) -> vec3f {
     }
     let share = reach / max(lights, vec3f(1.0));
     return select(share, share.xxx, daa_frame.casting == 1u);
+}
+
+/// Rays that the samples of a pixel send. What this frame does not trace another may have left there.
+fn daa_rays_sent(pixel: vec2u) -> u32 {
+    let n = DAA_M * DAA_M;
+    var rays = 0u;
+    for (var rank = 0u; rank < n && daa_frame.casting > 0u; rank++) {
+        rays += daa_shadows[daa_sample_index(pixel, n + rank)];
+    }
+    for (var rank = 0u; rank < n && (daa_frame.flags & DAA_FLAG_BOUNCES) != 0u; rank++) {
+        let sent = daa_secondary[daa_sample_index(pixel, n + 6u + rank)];
+        rays += (sent & 0xffffu) + (sent >> 16u);
+    }
+    return rays;
 }
 
 @fragment
@@ -128,6 +144,10 @@ fn daa_view_fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
         }
         case 17u: { // Shadows: red, green and blue lights in turn
             c = select(daa_reached(daa_shadows[daa_sample_index(pixel, 0u)]), vec3f(0.0), sky);
+        }
+        case 18u: { // Rays
+            let most = DAA_M * DAA_M * (daa_frame.casting + 2u);
+            c = daa_heat(log2(f32(1u + daa_rays_sent(pixel))) / log2(f32(1u + most)));
         }
         default: {}
     }

@@ -125,7 +125,8 @@ pub(crate) struct LightUniform {
 pub(crate) struct CastingUniform {
     pub count: u32,
     pub samples: u32,
-    pub padding: [u32; 2],
+    pub keeps: u32,
+    pub padding: u32,
     pub step: StepUniform,
     pub lights: [LightUniform; MAX_CASTING_LIGHTS],
 }

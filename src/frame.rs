@@ -135,6 +135,7 @@ pub(crate) mod flag {
     pub const WEIGHTED: u32 = 1 << 23;
     pub const SUPERSAMPLED: u32 = 1 << 24;
     pub const LATTICE: u32 = 1 << 25;
+    pub const BOUNCES: u32 = 1 << 26;
 }
 
 impl FrameUniform {
@@ -187,6 +188,7 @@ impl FrameUniform {
             (l.weighted, flag::WEIGHTED),
             (l.supersampled, flag::SUPERSAMPLED),
             (lattice, flag::LATTICE),
+            (traced.secondary, flag::BOUNCES),
         ];
         let places = match technique {
             Technique::Reconstructed if r.rotated_grid => window::rotated(m),

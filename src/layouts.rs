@@ -216,7 +216,7 @@ fn counters_are_the_shaders() {
 #[test]
 fn casting_lights_are_the_shaders() {
     let light = rust_layout!(LightUniform { position, punctual, direction, cone, range, padding });
-    let casting = rust_layout!(CastingUniform { count, samples, padding, step, lights });
+    let casting = rust_layout!(CastingUniform { count, samples, keeps, padding, step, lights });
     let lattice = rust_layout!(LatticeUniform { kind, level, width, height, first, place, padding });
     let step = rust_layout!(StepUniform { points, parents, scale, coarsest, rays, found, padding });
     for (name, module) in modules().into_iter().filter(|(name, _)| name.starts_with("trace")) {
@@ -257,6 +257,7 @@ fn flags_are_the_shaders() {
         ("WEIGHTED", flag::WEIGHTED),
         ("SUPERSAMPLED", flag::SUPERSAMPLED),
         ("LATTICE", flag::LATTICE),
+        ("BOUNCES", flag::BOUNCES),
     ];
     for (name, value) in flags {
         assert_eq!(constant(&module, &format!("DAA_FLAG_{name}")), value, "{name}");

@@ -7,7 +7,7 @@ use crate::pipeline::Resource;
 use crate::scratch::{self, IMAGE_FORMAT, List, ListKind};
 use crate::settings::{Settings, Technique};
 use crate::statistics::COUNTER_BYTES;
-use crate::traces::Traces;
+use crate::traces::{Kept, Traces};
 
 /// A texture or a buffer of the node: a [`Resource`] is one or several of them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -245,10 +245,9 @@ impl Part {
             Self::LatticePoints => of_lattices(0),
             Self::LatticeColors => of_lattices(1),
             Self::Tiles if traced.any() => buffer(Traces::tile_bytes(size), wgpu::BufferUsages::INDIRECT | cleared),
-            Self::Shadows if traced.shadows => buffer(Traces::bytes(size, m), cleared),
+            Self::Shadows if traced.shadows => buffer(Traces::shadow_bytes(size, m, Kept::of(settings)), cleared),
             Self::Secondary if traced.secondary => {
-                let hits = settings.technique == Technique::Selective;
-                buffer(Traces::secondary_bytes(size, m, hits), cleared)
+                buffer(Traces::secondary_bytes(size, m, Kept::of(settings)), cleared)
             }
             Self::Tiles | Self::Shadows | Self::Secondary => None,
             Self::Counters => buffer(COUNTER_BYTES, wgpu::BufferUsages::COPY_SRC | cleared),

@@ -628,11 +628,16 @@ pub enum DebugView {
     /// light that shines from behind does not reach; one that is out of its own range counts as if it did. Black: none does, the sky, or a
     /// frame that traces no shadows.
     Shadows = 17,
+    /// Rays that the pixel's samples send, towards lights and mirrored and refracted ones, on a log scale: 0 black, through red and yellow, white:
+    /// each of n samples sends one to each casting light and one of both others. Not those of the points of
+    /// [`Technique::MultiResolution`] that lie beyond the image's border, nor those of the audit of [`Goal::Error`]. A frame that shows it
+    /// holds twice the bytes for what rays find: [`Intermediates::shadows`](crate::Intermediates::shadows) has the rays of each sample.
+    Rays = 18,
 }
 
 impl DebugView {
     /// All of them, in order.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 19] = [
         Self::Image,
         Self::Count,
         Self::Decided,
@@ -651,6 +656,7 @@ impl DebugView {
         Self::Surfaces,
         Self::Tiles,
         Self::Shadows,
+        Self::Rays,
     ];
 }
 

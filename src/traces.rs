@@ -7,6 +7,7 @@ use crate::pipeline::{PassInfo, Resource, entry};
 use crate::rays::{RayScene, RayTier};
 use crate::resources::Part;
 use crate::scratch::{self, Scratch};
+use crate::settings::{DebugView, Settings, Technique};
 
 /// Before `first`.
 pub(crate) const INFO_FIRST: PassInfo = PassInfo {
@@ -102,6 +103,21 @@ pub(crate) enum TileClass {
     Bounce,
 }
 
+/// What is kept of rays besides what shading reads.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct Kept {
+    /// What those of first samples met, for `Selective`.
+    pub hits: bool,
+    /// How many each sample sent, for the debug view.
+    pub rays: bool,
+}
+
+impl Kept {
+    pub fn of(settings: &Settings) -> Self {
+        Self { hits: settings.technique == Technique::Selective, rays: settings.view == DebugView::Rays }
+    }
+}
+
 /// Made when a frame first needs it.
 #[derive(Debug)]
 pub(crate) struct Traces {
@@ -152,11 +168,15 @@ impl Traces {
     }
 
     /// Clears what a frame counts and what it may leave out.
-    pub fn clear(&self, encoder: &mut wgpu::CommandEncoder, size: [u32; 2], traced: Traced) {
+    pub fn clear(&self, encoder: &mut wgpu::CommandEncoder, (size, m): ([u32; 2], u32), traced: Traced, kept: Kept) {
         encoder.clear_buffer(&self.tiles, 0, Some(Self::CLASSES_BYTES));
         // `trace` looks at the first samples around its own.
         if let Some(shadows) = self.shadows.as_ref().filter(|_| traced.shadows) {
             encoder.clear_buffer(shadows, 0, Some(scratch::plan_bytes(size)));
+            if kept.rays {
+                let bytes = Self::bytes(size, m);
+                encoder.clear_buffer(shadows, bytes, Some(bytes));
+            }
         }
         // 0: nothing was traced.
         if let Some(secondary) = self.secondary.as_ref().filter(|_| traced.secondary) {
@@ -174,9 +194,16 @@ impl Traces {
         scratch::plan_bytes(size) * 6
     }
 
-    /// Bytes of what is reflected and refracted, and with hits what the rays of first samples met.
-    pub fn secondary_bytes(size: [u32; 2], m: u32, hits: bool) -> u64 {
-        Self::bytes(size, m) + if hits { Self::hit_bytes(size) } else { 0 }
+    /// Bytes of shadow bits, and of the rays that found them.
+    pub fn shadow_bytes(size: [u32; 2], m: u32, kept: Kept) -> u64 {
+        Self::bytes(size, m) * if kept.rays { 2 } else { 1 }
+    }
+
+    /// Bytes of what is reflected and refracted, of what the rays of first samples met, and of the rays that found it. Rays lie behind
+    /// the room for hits, whether these are kept or not.
+    pub fn secondary_bytes(size: [u32; 2], m: u32, kept: Kept) -> u64 {
+        let hits = if kept.hits || kept.rays { Self::hit_bytes(size) } else { 0 };
+        Self::shadow_bytes(size, m, kept) + hits
     }
 
     /// Bytes held that are not lent.
@@ -186,29 +213,35 @@ impl Traces {
         loans.own(Part::Tiles, self.tiles.size()) + found.sum::<u64>()
     }
 
-    /// Makes what is missing, `hits` what `Selective` reads. Whether anything was.
+    /// Makes what is missing, and takes back the room for rays if none are kept any more. Whether anything was.
     pub fn make(
         &mut self,
         device: &wgpu::Device,
         size: [u32; 2],
         m: u32,
         traced: Traced,
-        hits: bool,
+        kept: Kept,
         loans: &Loans,
     ) -> bool {
         let buffer = |part, label, size| {
             let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
             loans.buffer_or(part, device, label, size, usage)
         };
-        let bytes = Self::bytes(size, m);
-        let wanted = Self::secondary_bytes(size, m, hits);
-        let shadows = traced.shadows && self.shadows.is_none();
-        let secondary = traced.secondary && self.secondary.as_ref().is_none_or(|held| held.size() < wanted);
+        let bytes = [Self::shadow_bytes, Self::secondary_bytes].map(|bytes| bytes(size, m, kept));
+        // What hits make larger stays, as frames of several techniques may take turns.
+        let most =
+            [Self::shadow_bytes, Self::secondary_bytes].map(|bytes| bytes(size, m, Kept { hits: true, rays: false }));
+        let misfits = |part, held: &Option<wgpu::Buffer>, i: usize| {
+            held.as_ref()
+                .is_none_or(|held| held.size() < bytes[i] || (!kept.rays && held.size() > most[i] && !loans.has(part)))
+        };
+        let shadows = traced.shadows && misfits(Part::Shadows, &self.shadows, 0);
+        let secondary = traced.secondary && misfits(Part::Secondary, &self.secondary, 1);
         if shadows {
-            self.shadows = Some(buffer(Part::Shadows, "daa shadows", bytes));
+            self.shadows = Some(buffer(Part::Shadows, "daa shadows", bytes[0]));
         }
         if secondary {
-            self.secondary = Some(buffer(Part::Secondary, "daa secondary", wanted));
+            self.secondary = Some(buffer(Part::Secondary, "daa secondary", bytes[1]));
         }
         shadows || secondary
     }

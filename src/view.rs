@@ -47,6 +47,7 @@ impl View {
                 entry::buffer(1, fragment, true),
                 entry::buffer(2, fragment, true),
                 entry::buffer(3, fragment, true),
+                entry::buffer(4, fragment, true),
             ],
         });
         Self { layout, nothing: Traces::nothing(device), pipeline: Lazy::default() }
@@ -55,6 +56,7 @@ impl View {
     pub fn bind(&self, device: &wgpu::Device, scratch: &Scratch, traces: Option<&Traces>) -> wgpu::BindGroup {
         let tiles = traces.map_or(&self.nothing, |traces| &traces.tiles);
         let shadows = traces.and_then(|traces| traces.shadows.as_ref()).unwrap_or(&self.nothing);
+        let secondary = traces.and_then(|traces| traces.secondary.as_ref()).unwrap_or(&self.nothing);
         device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("daa view"),
             layout: &self.layout,
@@ -63,6 +65,7 @@ impl View {
                 wgpu::BindGroupEntry { binding: 1, resource: scratch.plan.as_entire_binding() },
                 wgpu::BindGroupEntry { binding: 2, resource: tiles.as_entire_binding() },
                 wgpu::BindGroupEntry { binding: 3, resource: shadows.as_entire_binding() },
+                wgpu::BindGroupEntry { binding: 4, resource: secondary.as_entire_binding() },
             ],
         })
     }

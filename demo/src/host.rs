@@ -9,7 +9,7 @@ use crate::upload::{GpuScene, UploadError};
 use deferred_aa::rays::{RayError, RayTier};
 use deferred_aa::{
     BuildError, CastingLight, DebugView, DeferredAa, Descriptor, Effect, Frame, GBuffer, Needs, ObjectImportance, Pass,
-    RecordError, Settings, Shading, SizeError, Statistics, Technique, TextureTier,
+    RecordError, Settings, Shading, SizeError, Statistics, TILE, Technique, TextureTier,
 };
 use glam::Vec3;
 
@@ -453,6 +453,28 @@ impl Host {
         pixels.map(|(x, y)| plan[passed.plan_index(x, y)]).collect()
     }
 
+    /// What each sample of the last frame sent, which showed [`DebugView::Rays`], pixel by pixel from the top, by rank. None where nothing
+    /// was traced. Waits.
+    pub fn sent(&self, traced: [bool; 2]) -> Vec<Sent> {
+        let Some(passed) = self.aa.intermediates().filter(|_| traced != [false; 2]) else { return Vec::new() };
+        let read = |buffer: Option<&wgpu::Buffer>, is: bool| -> Vec<u32> {
+            buffer.filter(|_| is).map_or(Vec::new(), |b| bytemuck::pod_collect_to_vec(&self.gpu.read_buffer(b)))
+        };
+        let (shadows, secondary) = (read(passed.shadows, traced[0]), read(passed.secondary, traced[1]));
+        let n = (self.options.m * self.options.m) as usize;
+        let slots = (passed.tiles[0] * passed.tiles[1] * TILE * TILE) as usize;
+        let (width, height) = (self.options.width, self.options.height);
+        let mut sent = Vec::with_capacity((width * height) as usize * n);
+        for slot in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| passed.plan_index(x, y)) {
+            sent.extend((0..n).map(|rank| {
+                let shadow = shadows.get((n + rank) * slots + slot).copied().unwrap_or(0);
+                let others = secondary.get((n + 6 + rank) * slots + slot).copied().unwrap_or(0);
+                Sent { shadow: shadow as u8, mirrored: others as u8, refracted: (others >> 16) as u8 }
+            }));
+        }
+        sent
+    }
+
     /// [`counts`](Self::counts) of the last frame, which had these settings; its picture is gone then.
     pub fn sample_map(&mut self, camera: deferred_aa::Camera, settings: Settings) -> Result<Vec<u32>, HostError> {
         let lattices = settings.technique == Technique::MultiResolution && !settings.multi_resolution.supersampled;
@@ -469,6 +491,17 @@ impl Host {
         }
         self.gpu.complaint().map_or(Ok(()), |complaint| Err(HostError::Device(complaint)))
     }
+}
+
+/// Rays that a sample sent.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Sent {
+    /// Towards lights.
+    pub shadow: u8,
+    /// As a mirror.
+    pub mirrored: u8,
+    /// Through it.
+    pub refracted: u8,
 }
 
 /// The materials that read a texture for more than their occlusion.

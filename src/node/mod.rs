@@ -23,7 +23,7 @@ use crate::select::Marks;
 use crate::settings::{Pattern, Settings, Technique};
 use crate::statistics::{Collector, Recorded, Statistics};
 use crate::table::{TableTexture, Tables, TextureTable, TextureTier};
-use crate::traces::Samples;
+use crate::traces::{Kept, Samples};
 use crate::wgsl::{self, HostSource};
 use crate::window::MAX_M;
 use order::{Step, order};
@@ -122,7 +122,8 @@ pub struct Intermediates<'a> {
     /// The samples beyond the first, once [`Execution::Packed`](crate::Execution::Packed) ran; see `reference::list`.
     pub sample_list: Option<&'a wgpu::Buffer>,
     /// The shadow bits of all samples, rank by rank in the order of the plan, once a frame traced; of those that were not
-    /// traced what was there before.
+    /// traced what was there before. Behind them, once a frame showed [`DebugView::Rays`](crate::DebugView::Rays), how many rays
+    /// each sample sent, likewise.
     pub shadows: Option<&'a wgpu::Buffer>,
     /// The tiles in which rays were wanted, once a frame traced: `DaaTileLists` of classify.wgsl, two classes of four words, of
     /// which the first counts, then the tiles of either, then a word for each tile, bit 0 with a surface, bit 1 with one that sends
@@ -130,6 +131,8 @@ pub struct Intermediates<'a> {
     pub tile_lists: Option<&'a wgpu::Buffer>,
     /// What they reflect and refract, likewise: codes of shared_exponent.wgsl, 0 where nothing was traced. Behind them, once
     /// [`Technique::Selective`] ran, what the rays of first samples met: `daa_secondary_hit` of secondary.wgsl, word by word.
+    /// From word 6 behind the codes, counted in ranks, once a frame showed [`DebugView::Rays`](crate::DebugView::Rays), the rays that each
+    /// sample sent: mirrored ones, and refracted ones · 2¹⁶.
     pub secondary: Option<&'a wgpu::Buffer>,
     /// The words of the points of all lattices, once [`Technique::MultiResolution`] ran: `daa_point_word` of lattice.wgsl; see
     /// `reference::multi_resolution`. And the colours of those that are shaded.
@@ -506,10 +509,11 @@ impl DeferredAa {
         if let (Some(tracing), Some(scene), true) = (&self.pipelines.tracing, frame.needs.rays, traced.any()) {
             let lights_bytes = LIGHTS_STRIDE * UNIFORM_SLOTS * Samples::COUNT;
             let buffers = self.rays.get_or_insert_with(|| RayBuffers::new(&self.pipelines.build.device, lights_bytes));
-            sized.make_traces(&self.pipelines, tracing, buffers, scene, traced, selects)?;
+            let kept = Kept::of(&frame.settings);
+            sized.make_traces(&self.pipelines, tracing, buffers, scene, traced, kept)?;
             buffers.write_bouncing(queue, frame.needs.bounces);
             if let Some(made) = &sized.traced {
-                made.traces.clear(encoder, size, traced);
+                made.traces.clear(encoder, (size, self.pipelines.build.m), traced, kept);
             }
         }
         sized.make_frame(&self.pipelines.build, &self.uniforms, traced, set);
@@ -531,7 +535,9 @@ impl DeferredAa {
                     Samples::Points(place) => *steps.step(Use::Rays, place),
                     _ => StepUniform::default(),
                 };
-                let uniform = CastingUniform { samples: samples.code(), step, ..lights };
+                // The audit's are not the image's.
+                let keeps = u32::from(Kept::of(&frame.settings).rays && samples != Samples::Audited);
+                let uniform = CastingUniform { samples: samples.code(), keeps, step, ..lights };
                 let offset = lights_offset + samples.index() * LIGHTS_STRIDE;
                 queue.write_buffer(&buffers.lights, offset, bytemuck::bytes_of(&uniform));
             }

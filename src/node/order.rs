@@ -98,6 +98,7 @@ pub(super) fn order(settings: &Settings, traced: Traced) -> [Option<Step>; MAX_P
     let seen = match settings.view {
         DebugView::Tiles => classifies.then_some(Seen::Tiles),
         DebugView::Shadows => traced.shadows.then_some(Seen::Traced),
+        DebugView::Rays => traced.any().then_some(Seen::Traced),
         _ => None,
     };
 

@@ -15,7 +15,7 @@ use crate::resources::Part;
 use crate::scratch::{self, List, ListKind, Scratch};
 use crate::select::Marks;
 use crate::settings::{Settings, Technique};
-use crate::traces::Traces;
+use crate::traces::{Kept, Traces};
 
 /// What goes with a size.
 #[derive(Debug)]
@@ -236,8 +236,7 @@ impl Sized {
         Ok(())
     }
 
-    /// Makes what rays find room in, in the first frame that traces, and binds the frame's scene. `hits`: with what rays of first
-    /// samples met.
+    /// Makes what rays find room in, in the first frame that traces, and binds the frame's scene.
     pub fn make_traces(
         &mut self,
         pipelines: &Pipelines,
@@ -245,11 +244,12 @@ impl Sized {
         buffers: &RayBuffers,
         scene: &RayScene,
         traced: Traced,
-        hits: bool,
+        kept: Kept,
     ) -> Result<(), RecordError> {
         let (device, m, size) = (&pipelines.build.device, pipelines.build.m, self.scratch.size);
-        let bytes = Traces::secondary_bytes(size, m, hits);
-        self.lent(traced.secondary.then_some((Part::Secondary, bytes)))?;
+        let bytes = Traces::secondary_bytes(size, m, kept);
+        let shadows = traced.shadows.then(|| (Part::Shadows, Traces::shadow_bytes(size, m, kept)));
+        self.lent([shadows, traced.secondary.then_some((Part::Secondary, bytes))].into_iter().flatten())?;
         let refused = |why| Err(RecordError::Traces { width: size[0], height: size[1], m, bytes, why });
         let limit = binding_limit(device);
         if bytes > limit {
@@ -261,7 +261,7 @@ impl Sized {
             traces: Traces::new(device, &buffers.lights, size, loans),
             bound: None,
         });
-        let added = made.traces.make(device, size, m, traced, hits, loans);
+        let added = made.traces.make(device, size, m, traced, kept, loans);
         if let Some(lattices) = &self.lattices {
             made.traces.points = lattices.lattices.points.clone();
         }

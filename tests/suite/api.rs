@@ -455,7 +455,7 @@ fn every_view_renders_on_every_way() {
         if let Some(technique) = of_one {
             let lit = |image: &Vec<[f32; 4]>| image.iter().any(|t| t[..3] != [0.0; 3]);
             assert!(images.iter().zip(WAYS).all(|(image, w)| lit(image) == (w.0 == technique)));
-        } else if matches!(view, DebugView::Tiles | DebugView::Shadows) {
+        } else if matches!(view, DebugView::Tiles | DebugView::Shadows | DebugView::Rays) {
             // Nothing is traced here.
             assert!(images.iter().flatten().all(|t| t[..3] == [0.0; 3]), "{view:?}");
         } else if view as u32 > DebugView::First as u32 {

@@ -3,12 +3,12 @@
 use crate::harness::{Rig, SHOW_USER, Sample};
 use crate::shadows::{bits, full, host, light, looking, scene, square, sun};
 use bytemuck::pod_collect_to_vec;
-use deferred_aa::glam::{Mat4, Vec3, vec3};
+use deferred_aa::glam::{Mat4, Vec3, Vec4, vec3};
 use deferred_aa::reference::classify::classify;
 use deferred_aa::{DebugView, Effect, MultiResolution, Settings, Technique, window};
-use deferred_aa_demo::host::Host;
+use deferred_aa_demo::host::{Host, Sent};
 use deferred_aa_demo::rays::{bouncing, casting_lights};
-use deferred_aa_demo::scene::{Instance, LightKind, Sun, builtin};
+use deferred_aa_demo::scene::{Camera, Instance, LightKind, Material, Scene};
 use std::collections::BTreeSet;
 
 pub const TECHNIQUES: [Technique; 6] = [
@@ -65,12 +65,6 @@ fn surfaces_are_counted() {
     }
 }
 
-fn shown(host: &mut Host, settings: Settings) -> Vec<[f32; 4]> {
-    let camera = host.scene.default_camera();
-    host.frame(&camera, settings).expect("a frame");
-    host.picture().rgba
-}
-
 fn untraced(settings: Settings) -> Settings {
     Settings { shadows: Effect::Off, reflections: Effect::Off, refraction: Effect::Off, ..settings }
 }
@@ -91,23 +85,40 @@ fn a_shadow_is_dark() {
     assert!(near(at(0, 0), [0.0; 3]), "the sky: {:?}", at(0, 0));
 }
 
-/// On every technique, one after the other: each pixel has the colour of its tile's classes, and that of the lights that reach it.
+/// A mirroring floor, glass and a plain square in the open, so that no ray starts at the image's border; many lights.
+fn garden() -> (Scene, Camera) {
+    let at =
+        |x: f32, y: f32, z: f32, scale| Mat4::from_translation(vec3(x, y, z)) * Mat4::from_scale(Vec3::splat(scale));
+    let [floor, mut glass, mut plain] = [square(), square(), square()];
+    (glass.material, plain.material) = (1, 2);
+    let placed = [(0, at(0.0, 0.0, 0.0, 3.0)), (1, at(-1.0, 1.0, 0.0, 1.0)), (2, at(7.0, 1.0, 0.0, 1.5))];
+    let mut garden = scene(vec![floor, glass, plain], &placed);
+    let material = garden.materials[0].clone();
+    let smooth = Material { base_color: Vec4::ONE, roughness: 0.0, ..material.clone() };
+    let metal = Material { metallic: 1.0, ..smooth.clone() };
+    garden.materials = vec![metal, Material { transmission: 1.0, ior: 1.3, ..smooth }, material];
+    garden.sun = sun(vec3(0.3, 0.9, 0.5));
+    garden.lights = (0..4).map(|i| light(LightKind::Point, vec3(i as f32 * 2.0 - 3.0, 4.0, 2.0), 9.0)).collect();
+    (garden, looking(vec3(2.0, 6.0, 14.0), vec3(2.0, 0.0, 0.0), 0.1))
+}
+
+/// On every technique, one after the other: the colour of its tile's classes, of the lights that reach it, and of the rays that it sends,
+/// which are together those of the statistics.
 #[test]
 fn rays_are_shown_on_every_technique() {
     let (m, size) = (2, [61, 35]);
-    let mut scene = builtin::builtin("mirrors").unwrap();
-    scene.sun = Some(Sun { to_sun: vec3(0.3, 0.9, 0.5).normalize(), irradiance: Vec3::ONE, casts: true });
-    for i in 0..4 {
-        let position = vec3(-3.0 + i as f32 * 2.0, 4.0, 2.0);
-        scene.lights.push(light(LightKind::Point, position, 100.0));
-    }
+    let (scene, camera) = garden();
     let sent = bouncing(&scene);
     let lights = casting_lights(&scene, true).len();
-    assert!(lights > 4, "{lights}");
+    assert_eq!((lights, sent.len()), (5, 2));
     let mut host = host(scene, m, size);
+    let mut shown = |host: &mut Host, settings: Settings| {
+        let statistics = host.frame(&camera, settings).expect("a frame").statistics;
+        (host.picture().rgba, statistics)
+    };
     for settings in every_technique() {
         let of = |view| Settings { view, ..settings };
-        let image = shown(&mut host, of(DebugView::Tiles));
+        let (image, _) = shown(&mut host, of(DebugView::Tiles));
         let gbuffer = host.aa.gbuffer().unwrap();
         let surface: Vec<[u32; 2]> = pod_collect_to_vec(&host.gpu.read_texture(gbuffer.color[0].texture(), 8));
         let depths = host.depths();
@@ -121,9 +132,9 @@ fn rays_are_shown_on_every_technique() {
             assert!(near(*found, expected), "{settings:?}, pixel {i}: {found:?} {expected:?}");
             seen[class] += 1;
         }
-        assert!(seen[1] > 50 && seen[2] > 50, "{seen:?}");
+        assert!(seen.iter().all(|&s| s > 50), "{seen:?}");
 
-        let image = shown(&mut host, of(DebugView::Shadows));
+        let (image, _) = shown(&mut host, of(DebugView::Shadows));
         let first = match settings.technique {
             Technique::Reconstructed if settings.reconstructed.rotated_grid => window::rotated(m),
             Technique::Selective => window::centred(m),
@@ -142,10 +153,38 @@ fn rays_are_shown_on_every_technique() {
             assert!(near(*found, expected), "{:?}, pixel {i}: {found:?} {expected:?}", settings.technique);
             colors.insert(expected.map(f32::to_bits));
         }
-        assert!(colors.len() > 4, "{colors:?}");
+        assert!(colors.len() > 3, "{colors:?}");
+
+        let held = host.aa.memory().rays;
+        let of_image = shown(&mut host, settings).1;
+        for [shadows, others] in [[true, true], [false, true], [true, false]] {
+            let of = |on| if on { Effect::Auto } else { Effect::Off };
+            let settings =
+                Settings { shadows: of(shadows), reflections: of(others), refraction: of(others), ..settings };
+            let (image, counted) = shown(&mut host, Settings { view: DebugView::Rays, ..settings });
+            let sent = host.sent([shadows, others]);
+            let sum = |rays: fn(&Sent) -> u8| sent.iter().map(|s| u32::from(rays(s))).sum::<u32>();
+            let found = [sum(|s| s.shadow), sum(|s| s.mirrored), sum(|s| s.refracted)];
+            let expected = [counted.shadow_rays, counted.reflection_rays, counted.refraction_rays];
+            assert_eq!(found, expected, "{settings:?}");
+            assert_eq!([found[0] > 0, found[1] > 0, found[2] > 0], [shadows, others, others], "{settings:?}");
+            if shadows && others {
+                let without = [of_image.shadow_rays, of_image.reflection_rays, of_image.refraction_rays];
+                assert_eq!(expected, without, "looking changes nothing");
+                assert!(host.aa.memory().rays > held);
+            }
+            let most = 4 * (if shadows { lights as u32 } else { 0 } + 2);
+            for (found, ranks) in image.iter().zip(sent.as_chunks::<4>().0) {
+                let rays: u32 = ranks.iter().map(|s| u32::from(s.shadow) + u32::from(s.mirrored + s.refracted)).sum();
+                let expected = heat((1.0 + rays as f32).log2() / (1.0 + most as f32).log2());
+                assert!(near(*found, expected), "{settings:?}: {rays} rays, {found:?} {expected:?}");
+            }
+        }
+        shown(&mut host, settings);
+        assert!(host.aa.memory().rays <= held, "the room for rays is given back");
     }
-    for view in [DebugView::Tiles, DebugView::Shadows] {
-        let image = shown(&mut host, untraced(Settings { view, ..full() }));
+    for view in [DebugView::Tiles, DebugView::Shadows, DebugView::Rays] {
+        let (image, _) = shown(&mut host, untraced(Settings { view, ..full() }));
         assert!(image.iter().all(|c| near(*c, [0.0; 3])), "{view:?}: nothing is traced");
     }
 }

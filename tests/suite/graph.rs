@@ -291,7 +291,7 @@ fn compare(effect: Effect) {
     let mut host = host(scene, 2, SIZE);
     let mut all = Seen::default();
     for way in ways() {
-        let traced: &[DebugView] = if effect == Effect::Off { &[] } else { &[DebugView::Tiles, DebugView::Shadows] };
+        let traced: &[DebugView] = if effect == Effect::Off { &[] } else { &[DebugView::Tiles, DebugView::Rays] };
         for &view in [DebugView::Image, DebugView::Count].iter().chain(traced) {
             let settings = Settings { view, shadows: effect, reflections: effect, refraction: effect, ..way };
             let whole = host.frame(&camera, settings).expect("a frame").statistics;

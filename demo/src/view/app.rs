@@ -250,6 +250,7 @@ impl App {
                 self.sides[side].measured(&view, &settings, shot);
                 self.try_point(side);
             }
+            Event::Sent(side, view, settings, sent) => self.sides[side].counted(&view, &settings, sent),
             Event::Refused(side, settings, why) => {
                 if self.sides[side].settings == settings {
                     self.sides[side].refused = Some(why.clone());

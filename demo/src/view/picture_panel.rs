@@ -2,7 +2,9 @@
 
 use super::app::App;
 use super::fly;
-use super::worker::Rendered;
+use super::side::Side;
+use super::worker::{Rendered, casts};
+use crate::host::Sent;
 use deferred_aa::{Settings, Technique, window};
 use egui::{
     Align2, Color32, CursorIcon, FontId, Painter, Pos2, Rect, Response, Sense, Stroke, TextureId, Ui, pos2, vec2,
@@ -157,9 +159,10 @@ impl App {
         if self.magnify {
             self.magnifier(&painter, size, pixel, pointer);
         }
-        if let Some(rendered) = self.sides[side].rendered.as_deref().filter(|r| r.picture.width as f32 == size.x) {
+        let own = &self.sides[side];
+        if let Some(rendered) = own.rendered.as_deref().filter(|r| r.picture.width as f32 == size.x) {
             let clip = ui.ctx().content_rect();
-            samples(&painter, clip, rendered, pixel, pointer);
+            samples(&painter, clip, own, rendered, pixel, pointer);
         }
     }
 
@@ -221,24 +224,56 @@ pub fn shaded(settings: &Settings, m: u32, word: u32) -> Shaded {
     Shaded::Places(places)
 }
 
-/// The pixel's window as a board, its samples that were shaded bright, and its values.
-fn samples(painter: &Painter, clip: Rect, rendered: &Rendered, pixel: [u32; 2], pointer: Pos2) {
+/// Of shadow rays alone, and of others too.
+const SENDS: [Color32; 2] = [Color32::from_rgb(40, 90, 220), Color32::from_rgb(220, 40, 160)];
+
+/// Where in the window the samples of all ranks are.
+fn places(settings: &Settings, m: u32) -> Vec<(u8, u8)> {
+    match settings.technique {
+        Technique::Reconstructed if settings.reconstructed.rotated_grid => window::rotated(m),
+        Technique::Selective => window::centred(m),
+        _ => window::order(m),
+    }
+}
+
+/// The rays of the pixel's samples, in words; none if its frame traces nothing.
+fn rays(rendered: &Rendered, own: Option<&[Sent]>) -> Option<String> {
+    if casts(&rendered.shot) == [false; 2] {
+        return None;
+    }
+    let Some(own) = own else {
+        let moves = rendered.settings.goal.is_some();
+        let why =
+            if moves { "rays: not known, as the goal moves them from frame to frame" } else { "rays: being counted" };
+        return Some(why.to_owned());
+    };
+    let sum = |of: fn(&Sent) -> u8| own.iter().map(|s| u32::from(of(s))).sum::<u32>();
+    let kinds = [(sum(|s| s.shadow), "shadow"), (sum(|s| s.mirrored), "mirrored"), (sum(|s| s.refracted), "refracted")];
+    let some: Vec<_> = kinds.iter().filter(|k| k.0 > 0).map(|(rays, kind)| format!("{rays} {kind}")).collect();
+    Some(if some.is_empty() { "no rays".to_owned() } else { format!("rays: {}", some.join(", ")) })
+}
+
+/// The pixel's window as a board, its samples that were shaded bright, a dot in those that send rays, and its values.
+fn samples(painter: &Painter, clip: Rect, side: &Side, rendered: &Rendered, pixel: [u32; 2], pointer: Pos2) {
     let m = rendered.view.options.m;
     let at = (pixel[1] * rendered.picture.width + pixel[0]) as usize;
     let word = rendered.plan.get(at).copied().unwrap_or(1);
     let shaded = shaded(&rendered.settings, m, word);
     let [r, g, b, _] = rendered.picture.rgba.get(at).copied().unwrap_or_default();
-    let s = &rendered.shot.statistics;
+    let n = (m * m) as usize;
+    let sent = side.sent.as_ref().and_then(|all| all.get(at * n..(at + 1) * n));
     let count = match &shaded {
         Shaded::Places(places) => places.iter().filter(|&&p| p).count() as u32,
         Shaded::Count(k) => *k,
     };
-    let rays = u64::from(s.shadow_rays) + u64::from(s.reflection_rays) + u64::from(s.refraction_rays);
-    let pixels = f64::from(rendered.picture.width) * f64::from(rendered.picture.height);
     let mut lines =
         vec![format!("{}, {}   {count} of {} samples", pixel[0], pixel[1], m * m), format!("{r:.3} {g:.3} {b:.3}")];
-    if rays > 0 {
-        lines.push(format!("{:.2} rays a pixel", rays as f64 / pixels));
+    lines.extend(rays(rendered, sent));
+    let others = |s: &Sent| s.mirrored + s.refracted > 0;
+    let casting = |s: &Sent| s.shadow > 0 || others(s);
+    if let Some(sent) = sent.filter(|sent| sent.iter().any(casting)) {
+        let pink = if sent.iter().any(others) { "; pink: mirrored or refracted" } else { "" };
+        lines.push(format!("a dot: the sample sends rays{pink}"));
     }
     if matches!(shaded, Shaded::Count(_)) {
         lines.push("the others are reconstructed".to_owned());
@@ -257,6 +292,15 @@ fn samples(painter: &Painter, clip: Rect, rendered: &Rendered, pixel: [u32; 2], 
         let on = matches!(&shaded, Shaded::Places(places) if places[i as usize]);
         let color = if on { Color32::from_rgb(255, 190, 60) } else { Color32::from_gray(60) };
         painter.rect_filled(Rect::from_min_size(min, vec2(cell - 1.0, cell - 1.0)), 0.0, color);
+    }
+    for (sent, (x, y)) in sent.into_iter().flatten().zip(places(&rendered.settings, m)).filter(|(s, _)| casting(s)) {
+        let centre = corner + vec2(f32::from(x) + 0.5, f32::from(y) + 0.5) * cell - vec2(0.5, 0.5);
+        painter.circle(
+            centre,
+            (cell * 0.24).max(2.0),
+            SENDS[usize::from(others(sent))],
+            Stroke::new(1.0, Color32::WHITE),
+        );
     }
     painter.galley(corner + vec2(board + 6.0, 0.0), galley, Color32::WHITE);
 }

@@ -2,7 +2,7 @@
 
 use super::judge::Verdict;
 use super::worker::{Rendered, View};
-use crate::host::Shot;
+use crate::host::{Sent, Shot};
 use crate::quality::Quality;
 use crate::stats::{Spread, times};
 use deferred_aa::{Preset, Settings};
@@ -27,6 +27,8 @@ pub struct Side {
     last_change: Option<(String, Instant)>,
     /// The last picture.
     pub rendered: Option<Box<Rendered>>,
+    /// What each of its samples sent, once that is counted.
+    pub sent: Option<Arc<Vec<Sent>>>,
     /// Of the same picture, each with its times.
     pub shots: Vec<Shot>,
     /// Against the present reference.
@@ -100,16 +102,26 @@ impl Side {
         };
         set_texture(&mut self.texture, ctx, name, ColorImage::from_rgb(size, &rgb));
         self.shots = vec![rendered.shot.clone()];
-        (self.quality, self.error, self.refused) = (None, None, None);
+        (self.quality, self.error, self.refused, self.sent) = (None, None, None, None);
         self.rendered = Some(rendered);
     }
 
     /// One more frame of it.
     pub fn measured(&mut self, view: &Arc<View>, settings: &Settings, shot: Shot) {
-        let same = |r: &Rendered| Arc::ptr_eq(&r.view, view) && r.settings == *settings;
-        if self.rendered.as_deref().is_some_and(same) && self.shots.len() < MOST_SHOTS {
+        if self.is_of(view, settings) && self.shots.len() < MOST_SHOTS {
             self.shots.push(shot);
         }
+    }
+
+    /// The rays of its samples.
+    pub fn counted(&mut self, view: &Arc<View>, settings: &Settings, sent: Arc<Vec<Sent>>) {
+        if self.is_of(view, settings) {
+            self.sent = Some(sent);
+        }
+    }
+
+    fn is_of(&self, view: &Arc<View>, settings: &Settings) -> bool {
+        self.rendered.as_deref().is_some_and(|r| Arc::ptr_eq(&r.view, view) && r.settings == *settings)
     }
 
     /// Takes a verdict that is of its present picture; whether it is.

@@ -6,7 +6,7 @@
 
 use crate::commands::open_scene;
 use crate::gpu::{self, Gpu};
-use crate::host::{self, Host, HostError, Options, Shot};
+use crate::host::{self, Host, HostError, Options, Sent, Shot};
 use crate::picture::Picture;
 use crate::raster::{crop, node_camera};
 use crate::report::plan;
@@ -148,6 +148,8 @@ pub enum Event {
     Picture(usize, Box<Rendered>),
     /// A further frame of the same, measured.
     Measured(usize, Arc<View>, Settings, Shot),
+    /// The rays that each sample of a side's picture sent, as [`Host::sent`] has them.
+    Sent(usize, Arc<View>, Settings, Arc<Vec<Sent>>),
     /// A side's settings were refused; its last picture stays.
     Refused(usize, Settings, String),
     /// Parts of the reference that are done, of all.
@@ -276,6 +278,8 @@ struct Side {
     view: Arc<View>,
     settings: Settings,
     measured: u32,
+    /// There are rays, and which sample sends them is not said yet.
+    owes_rays: bool,
 }
 
 struct Renderer {
@@ -400,6 +404,13 @@ impl Renderer {
             self.measure(side)?;
             return Ok(true);
         }
+        let owes =
+            |side: &usize| wanted.sides[*side].is_some() && self.sides[*side].as_ref().is_some_and(|s| s.owes_rays);
+        if let Some(side) = (0..2).find(owes) {
+            self.busy("counting rays");
+            self.count_rays(side)?;
+            return Ok(true);
+        }
         let Some(base) = wanted.sides[0].or(wanted.sides[1]) else { return Ok(false) };
         self.slice(view, plan::truth(base), wanted.reference)
     }
@@ -510,7 +521,7 @@ impl Renderer {
         let fresh = self.filled.as_ref().is_none_or(|filled| *filled != view);
         let Some(host) = &mut self.host else { return Ok(()) };
         let shot = if fresh { host.frame(&view.camera, settings) } else { host.shade_again(&view.camera, settings) };
-        self.sides[side] = Some(Side { view: view.clone(), settings, measured: 0 });
+        self.sides[side] = Some(Side { view: view.clone(), settings, measured: 0, owes_rays: false });
         let shot = match shot.map_err(lost_or) {
             Ok(shot) => shot,
             Err(e) => {
@@ -520,6 +531,9 @@ impl Renderer {
         };
         self.filled = Some(view.clone());
         self.recoveries = 0;
+        if let Some(own) = &mut self.sides[side] {
+            own.owes_rays = settings.goal.is_none() && casts(&shot) != [false; 2];
+        }
         let planned = !matches!(settings.technique, Technique::Full | Technique::Single);
         let rendered = Rendered {
             picture: Arc::new(host.picture()),
@@ -541,6 +555,26 @@ impl Renderer {
         match host.frame(&own.view.camera, own.settings) {
             Ok(shot) => (self.say)(Event::Measured(side, own.view.clone(), own.settings, shot)),
             // What was refused has been said with the picture.
+            Err(e) => drop(lost_or(e)?),
+        }
+        Ok(())
+    }
+
+    /// The same frame once more, that shows its rays and so writes them down.
+    fn count_rays(&mut self, side: usize) -> Result<(), String> {
+        let (Some(host), Some(own)) = (&mut self.host, &mut self.sides[side]) else { return Ok(()) };
+        own.owes_rays = false;
+        let settings = Settings { view: DebugView::Rays, ..own.settings };
+        let fresh = self.filled.as_ref() != Some(&own.view);
+        let camera = &own.view.camera;
+        let shot = if fresh { host.frame(camera, settings) } else { host.shade_again(camera, settings) };
+        match shot {
+            Ok(shot) => {
+                self.filled = Some(own.view.clone());
+                let sent = Arc::new(host.sent(casts(&shot)));
+                (self.say)(Event::Sent(side, own.view.clone(), own.settings, sent));
+            }
+            // Twice the memory may be too much; the picture is there.
             Err(e) => drop(lost_or(e)?),
         }
         Ok(())
@@ -602,6 +636,11 @@ impl Renderer {
         self.take(host);
         Ok(())
     }
+}
+
+/// Whether a frame casts shadow rays, and others.
+pub fn casts(shot: &Shot) -> [bool; 2] {
+    ["trace", "bounce"].map(|name| shot.statistics.passes.iter().any(|pass| pass.name.starts_with(name)))
 }
 
 /// What settings would record if every effect were called for.
