@@ -112,7 +112,7 @@ fn rays_are_shown_on_every_technique() {
     let lights = casting_lights(&scene, true).len();
     assert_eq!((lights, sent.len()), (5, 2));
     let mut host = host(scene, m, size);
-    let mut shown = |host: &mut Host, settings: Settings| {
+    let shown = |host: &mut Host, settings: Settings| {
         let statistics = host.frame(&camera, settings).expect("a frame").statistics;
         (host.picture().rgba, statistics)
     };

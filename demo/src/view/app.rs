@@ -13,10 +13,12 @@ use crate::settings_file;
 use deferred_aa::{DebugView, Settings};
 use egui::{Context, Key, Modifiers, Ui};
 use glam::Vec3;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
+use std::thread::JoinHandle;
 
 /// Frames of each side that are measured.
 const FRAMES: u32 = 5;
@@ -58,6 +60,14 @@ pub struct Tried {
     pub flip: f64,
     /// Samples a pixel.
     pub mean_k: f64,
+}
+
+/// Under way, in a process of its own.
+struct Report {
+    child: Child,
+    folder: PathBuf,
+    /// What it says is wrong, read as it comes, so that it never waits for a reader.
+    errors: Option<JoinHandle<String>>,
 }
 
 /// The viewer.
@@ -109,7 +119,7 @@ pub struct App {
     pub scale: Option<f32>,
     /// What is asked for in a window of its own.
     pub dialog: Option<Dialog>,
-    report: Option<Child>,
+    report: Option<Report>,
     /// Nothing will be rendered any more, and why.
     pub failed: Option<String>,
     /// The window is not seen.
@@ -218,7 +228,7 @@ impl App {
         }
     }
 
-    fn heard(&mut self, ctx: &Context, event: Event) {
+    pub(super) fn heard(&mut self, ctx: &Context, event: Event) {
         match event {
             Event::Opened(opened) => {
                 for notice in &opened.notices {
@@ -610,13 +620,21 @@ impl App {
         all
     }
 
-    fn begin_report(&mut self, folder: &Path) {
+    pub(super) fn begin_report(&mut self, folder: &Path) {
         let arguments = self.report_arguments(folder);
         let begun = std::env::current_exe()
-            .and_then(|exe| Command::new(exe).args(&arguments).stdout(Stdio::null()).stderr(Stdio::null()).spawn());
+            .and_then(|exe| Command::new(exe).args(&arguments).stdout(Stdio::null()).stderr(Stdio::piped()).spawn());
         match begun {
-            Ok(child) => {
-                self.report = Some(child);
+            Ok(mut child) => {
+                let errors = child.stderr.take().map(|mut stderr| {
+                    std::thread::spawn(move || {
+                        let mut said = Vec::new();
+                        // What was read before an error is what there is.
+                        let _ = stderr.read_to_end(&mut said);
+                        String::from_utf8_lossy(&said).into_owned()
+                    })
+                });
+                self.report = Some(Report { child, folder: folder.to_owned(), errors });
                 self.say(format!("measuring in a process of its own: {}", arguments.join(" ")));
             }
             Err(e) => self.said::<std::io::Error>(Err(e)),
@@ -624,12 +642,19 @@ impl App {
     }
 
     fn watch_report(&mut self, ctx: &Context) {
-        let Some(child) = &mut self.report else { return };
-        match child.try_wait() {
+        let Some(report) = &mut self.report else { return };
+        match report.child.try_wait() {
             Ok(None) => ctx.request_repaint_after(std::time::Duration::from_millis(500)),
             Ok(Some(status)) => {
+                let page = report.folder.join("report.html");
+                let errors = report.errors.take().and_then(|thread| thread.join().ok()).unwrap_or_default();
                 self.report = None;
-                self.say(format!("the report ended: {status}"));
+                if status.success() {
+                    self.say(format!("the report is there: {}", page.display()));
+                } else {
+                    let why = errors.lines().rev().find(|line| !line.trim().is_empty()).unwrap_or_default();
+                    self.said::<String>(Err(format!("the report ended with {status}: {why}")));
+                }
             }
             Err(e) => {
                 self.report = None;
@@ -648,10 +673,10 @@ impl App {
 
 impl Drop for App {
     fn drop(&mut self) {
-        if let Some(child) = &mut self.report {
+        if let Some(report) = &mut self.report {
             // It has its own progress to resume from.
-            let _ = child.kill();
-            let _ = child.wait();
+            let _ = report.child.kill();
+            let _ = report.child.wait();
         }
     }
 }

@@ -117,10 +117,13 @@ fn values(kind: &Kind) -> Vec<Value> {
 mod tests {
     use super::*;
     use crate::host::Options;
+    use crate::view::worker;
     use crate::view::{Kept, Source, Start};
     use deferred_aa::TextureTier;
     use deferred_aa::rays::RayTier;
-    use egui::{Context, Event, Modifiers, PointerButton, Pos2, RawInput, Rect, pos2};
+    use egui::{Context, DroppedFile, DroppedFileHandle, Event, Modifiers, PointerButton, Pos2, RawInput, Rect, pos2};
+    use std::path::{Path, PathBuf};
+    use std::sync::Arc;
     use std::time::{Duration, Instant};
 
     /// The viewer without a window.
@@ -128,10 +131,28 @@ mod tests {
         ctx: Context,
         app: App,
         events: Vec<Event>,
+        dropped: Vec<DroppedFileHandle>,
+    }
+
+    #[derive(Debug)]
+    struct Dropped(PathBuf);
+
+    impl DroppedFile for Dropped {
+        fn path(&self) -> &Path {
+            &self.0
+        }
+
+        fn bytes(&self) -> Result<Vec<u8>, String> {
+            std::fs::read(&self.0).map_err(|e| e.to_string())
+        }
     }
 
     impl Rig {
         fn new(scene: &str) -> Self {
+            Self::kept_at(scene, Kept::default(), None)
+        }
+
+        fn kept_at(scene: &str, kept: Kept, kept_at: Option<PathBuf>) -> Self {
             let ctx = Context::default();
             let options = Options {
                 width: 48,
@@ -143,16 +164,20 @@ mod tests {
                 rays: RayTier::Software,
             };
             let source = Source { name: scene.to_owned(), index: None };
-            let kept = Kept::default();
-            let start = Start { source, camera: None, options, adapter: None, kept, kept_at: None, fill: false };
+            let start = Start { source, camera: None, options, adapter: None, kept, kept_at, fill: false };
             let app = App::new(&ctx, start).unwrap();
-            Self { ctx, app, events: Vec::new() }
+            Self { ctx, app, events: Vec::new(), dropped: Vec::new() }
         }
 
         fn frame(&mut self) {
             let screen_rect = Some(Rect::from_min_size(Pos2::ZERO, egui::vec2(1280.0, 800.0)));
-            let input =
-                RawInput { screen_rect, events: std::mem::take(&mut self.events), focused: true, ..Default::default() };
+            let input = RawInput {
+                screen_rect,
+                events: std::mem::take(&mut self.events),
+                dropped_files: std::mem::take(&mut self.dropped),
+                focused: true,
+                ..Default::default()
+            };
             let Self { ctx, app, .. } = self;
             let mut output = ctx.run_ui(input, |ui| app.ui(ui));
             // Nobody paints them.
@@ -287,5 +312,202 @@ mod tests {
         rig.app.options = Options { width: 16_384, height: 16_384, m: 8, ..rig.app.options };
         rig.until("the reason", |app| app.dialog.is_some());
         assert!(rig.app.messages.iter().any(|m| m.starts_with("not possible")), "{:?}", rig.app.messages);
+    }
+
+    /// Nothing that takes long.
+    fn plain() -> Kept {
+        let single = Settings { technique: Technique::Single, ..Settings::default() };
+        let mut kept = Kept::default();
+        (kept.settings, kept.reference, kept.split) = ([single; 2], Reference::Off, false);
+        kept
+    }
+
+    /// Whether this process runs a test of this module alone, so that its memory is the test's; else it starts such a process.
+    fn is_alone(test: &str) -> bool {
+        const ALONE: &str = "DEFERRED_AA_TEST_ALONE";
+        if std::env::var_os(ALONE).is_some() {
+            return true;
+        }
+        let name = format!("{}::{test}", module_path!().split_once("::").unwrap().1);
+        let mut command = std::process::Command::new(std::env::current_exe().unwrap());
+        let run = command.args(["--exact", &name, "--nocapture"]).env(ALONE, "1").output().unwrap();
+        let said = String::from_utf8_lossy(&run.stdout).into_owned() + &String::from_utf8_lossy(&run.stderr);
+        assert!(run.status.success() && said.contains("1 passed"), "{said}");
+        false
+    }
+
+    /// Resident MiB; nothing where the system doesn't say.
+    fn resident() -> Option<f64> {
+        let text = std::fs::read_to_string("/proc/self/statm").ok()?;
+        text.split(' ').nth(1)?.parse::<f64>().ok().map(|pages| pages * 4096.0 / f64::from(1 << 20))
+    }
+
+    /// What is allocated on the scene's device, bytes.
+    fn on_device(app: &App) -> Option<u64> {
+        Some(app.opened.as_ref()?.device.generate_allocator_report()?.total_allocated_bytes)
+    }
+
+    #[test]
+    fn resizing_two_hundred_times_keeps_memory_flat() {
+        if !is_alone("resizing_two_hundred_times_keeps_memory_flat") {
+            return;
+        }
+        let mut rig = Rig::kept_at("flat", plain(), None);
+        rig.until("a picture", |app| app.sides[0].rendered.is_some());
+        let mut seen = Vec::new();
+        for i in 0..=200u32 {
+            let (width, height) = (20 + i * 37 % 45, 11 + i * 23 % 31);
+            rig.app.options = Options { width, height, ..rig.app.options };
+            rig.until("the new picture", move |app| {
+                app.sides[0].rendered.as_ref().is_some_and(|r| (r.picture.width, r.picture.height) == (width, height))
+            });
+            // The same size each time.
+            if i % 45 == 0 && i > 0 {
+                seen.push((on_device(&rig.app), resident()));
+            }
+        }
+        let (first, last) = (seen[0], *seen.last().unwrap());
+        assert_eq!(rig.app.messages.len(), 1, "{:?}", rig.app.messages);
+        if let (Some(first), Some(last)) = (first.0, last.0) {
+            assert!(last <= first + (1 << 20), "bytes on the device: {seen:?}");
+        }
+        if let (Some(first), Some(last)) = (first.1, last.1) {
+            assert!(last < first + 24.0, "MiB: {seen:?}");
+        }
+        println!("{seen:?}");
+    }
+
+    #[test]
+    fn moving_between_scenes_keeps_memory_flat() {
+        if !is_alone("moving_between_scenes_keeps_memory_flat") {
+            return;
+        }
+        let mut rig = Rig::kept_at("flat", plain(), None);
+        let mut seen = Vec::new();
+        for i in 0..=50u64 {
+            let name = ["flat", "empty", "spheres"][i as usize % 3];
+            if i > 0 {
+                rig.app.open(name);
+            }
+            rig.until("the scene's picture", move |app| {
+                let of = app.sides[0].rendered.as_ref().map(|r| r.view.opening);
+                app.scene_name() == name && of == Some(i + 1)
+            });
+            if i % 10 == 0 {
+                seen.push(resident());
+            }
+        }
+        assert!(rig.app.dialog.is_none());
+        println!("{seen:?}");
+        if let (Some(first), Some(last)) = (seen[2], seen[5]) {
+            assert!(last < first + 48.0, "MiB: {seen:?}");
+        }
+    }
+
+    #[test]
+    fn a_lost_device_is_replaced() {
+        let mut rig = Rig::kept_at("flat", plain(), None);
+        for round in 1..4 {
+            rig.until("a picture", |app| app.sides[0].rendered.is_some() && app.shown_is_wanted(0));
+            let before = rig.app.sides[0].rendered.as_ref().unwrap().picture.clone();
+            // The first one's device, which is gone from the second round on: that troubles nobody.
+            rig.app.opened.as_ref().unwrap().device.destroy();
+            rig.app.set(0, "windowed.luminance_scale", json!(round)).unwrap();
+            rig.until("a picture again", |app| app.shown_is_wanted(0));
+            assert_eq!(rig.app.sides[0].rendered.as_ref().unwrap().picture.rgba, before.rgba, "round {round}");
+            let lost = rig.app.messages.iter().filter(|m| m.contains("the graphics device was lost")).count();
+            assert_eq!(lost, 1, "{:?}", rig.app.messages);
+        }
+    }
+
+    #[test]
+    fn a_renderer_that_ends_leaves_a_message_and_the_settings() {
+        let folder = std::env::temp_dir().join(format!("deferred-aa-ended-{}", std::process::id()));
+        let path = folder.join("view.json");
+        let mut rig = Rig::kept_at("flat", plain(), Some(path.clone()));
+        rig.until("a picture", |app| app.sides[0].rendered.is_some());
+        rig.app.set(0, "windowed.luminance_scale", json!(12)).unwrap();
+        let ctx = rig.ctx.clone();
+        rig.app.heard(&ctx, worker::Event::Failed("the device is gone for good".to_owned()));
+        rig.frame();
+        assert_eq!(rig.app.failed.as_deref(), Some("the device is gone for good"));
+        let (kept, trouble) = Kept::load(&path);
+        assert_eq!((kept.settings[0].windowed.luminance_scale, trouble), (12.0, None));
+        std::fs::remove_dir_all(folder).unwrap();
+    }
+
+    #[test]
+    fn dropped_files_open_and_bad_ones_leave_the_scene() {
+        let folder = std::env::temp_dir().join(format!("deferred-aa-dropped-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let write = |name: &str, text: &str| {
+            let path = folder.join(name);
+            std::fs::write(&path, text).unwrap();
+            path
+        };
+        let bad = write("bad.gltf", "{ this is none }");
+        let positions = (0..3).flat_map(|i| [i as f32 % 2.0, i as f32 / 2.0, 0.0]).flat_map(f32::to_le_bytes);
+        std::fs::write(folder.join("triangle.bin"), positions.collect::<Vec<u8>>()).unwrap();
+        let good = write(
+            "triangle.gltf",
+            r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
+            "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],"buffers":[{"uri":"triangle.bin","byteLength":36}],
+            "bufferViews":[{"buffer":0,"byteLength":36}],
+            "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}]}"#,
+        );
+        let mut rig = Rig::kept_at("flat", plain(), None);
+        rig.until("a picture", |app| app.sides[0].rendered.is_some());
+        rig.dropped = vec![Arc::new(Dropped(bad))];
+        rig.until("the reason", |app| app.dialog.is_some());
+        assert!(
+            rig.app.messages.iter().any(|m| m.starts_with("not opened") && m.contains("bad.gltf")),
+            "{:?}",
+            rig.app.messages
+        );
+        assert_eq!(rig.app.scene_name(), "flat");
+        rig.key(egui::Key::Escape, Modifiers::NONE);
+        rig.dropped = vec![Arc::new(Dropped(good.clone()))];
+        rig.until("its picture", |app| {
+            app.sides[0].rendered.as_ref().is_some_and(|r| r.view.opening == 3) && app.shown_is_wanted(0)
+        });
+        assert_eq!(rig.app.scene_name(), good.to_string_lossy());
+        std::fs::remove_dir_all(folder).unwrap();
+    }
+
+    /// Its command line is one that `report` takes, of the view that is seen; what it has against it is shown.
+    #[test]
+    fn a_report_is_of_the_view_and_its_trouble_is_shown() {
+        let mut rig = Rig::kept_at("flat", plain(), None);
+        rig.until("a picture", |app| app.sides[0].rendered.is_some());
+        let folder = std::env::temp_dir().join("deferred-aa-no-report");
+        let arguments = rig.app.report_arguments(&folder);
+        let line = std::iter::once("deferred-aa-demo".to_owned()).chain(arguments.clone());
+        let parsed = <crate::commands::Cli as clap::Parser>::try_parse_from(line).map(|cli| format!("{cli:?}"));
+        let parsed = parsed.unwrap_or_else(|e| panic!("{e}"));
+        let out = format!("{:?}", folder);
+        for part in ["Report", "\"flat\"", "size: (48, 27)", "m: [2]", "quick: true", &out] {
+            assert!(parsed.contains(part), "{part} in {parsed}");
+        }
+        // This process is no viewer, and says so.
+        rig.app.begin_report(&folder);
+        rig.until("the trouble", |app| app.dialog.is_some());
+        let shown = rig.app.messages.last().unwrap();
+        assert!(shown.contains("the report ended with") && shown.contains("quick"), "{shown}");
+    }
+
+    #[test]
+    fn rays_of_each_sample_are_those_of_the_frame() {
+        let mut rig = Rig::new("mirrors");
+        rig.app.kept.reference = Reference::Off;
+        rig.until("rays of both sides", |app| app.sides.iter().all(|s| s.sent.is_some()));
+        for side in &rig.app.sides {
+            let counted = &side.rendered.as_ref().unwrap().shot.statistics;
+            let sum = |of: fn(&crate::host::Sent) -> u8| {
+                side.sent.as_ref().unwrap().iter().map(|s| u32::from(of(s))).sum::<u32>()
+            };
+            let found = [sum(|s| s.shadow), sum(|s| s.mirrored), sum(|s| s.refracted)];
+            assert_eq!(found, [counted.shadow_rays, counted.reflection_rays, counted.refraction_rays]);
+            assert!(found.iter().all(|&rays| rays > 0), "{found:?}");
+        }
     }
 }

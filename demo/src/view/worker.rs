@@ -185,6 +185,9 @@ pub struct Opened {
     pub notices: Vec<String>,
     /// Who renders.
     pub adapter: Adapter,
+    /// On what.
+    #[cfg(test)]
+    pub device: wgpu::Device,
 }
 
 /// Who renders, and what it can't.
@@ -445,6 +448,8 @@ impl Renderer {
             sun: own_sun,
             notices,
             adapter: about(&host.gpu),
+            #[cfg(test)]
+            device: host.gpu.device.clone(),
         };
         self.own_sun = own_sun;
         self.opening = opening;
@@ -683,4 +688,41 @@ pub fn to_sun(azimuth: f32, elevation: f32) -> Vec3 {
 /// What a debug view shows is no image to judge.
 pub fn is_image(settings: &Settings) -> bool {
     settings.view == DebugView::Image
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::mpsc::channel;
+
+    /// A device that is lost as soon as it is there is not asked for for ever.
+    #[test]
+    fn recoveries_end() {
+        let wanted = Wanted {
+            scene: (Source::default(), 0),
+            view: None,
+            sides: [None, None],
+            frames: 0,
+            reference: Reference::Off,
+            paused: false,
+            quit: false,
+        };
+        let shared = Arc::new(Shared { wanted: Mutex::new(wanted), changed: Condvar::new() });
+        let (say, _events) = channel();
+        let options = Options {
+            width: 8,
+            height: 8,
+            m: 1,
+            textures: TextureTier::Arrays,
+            stall: 1,
+            anisotropy: 1,
+            rays: RayTier::Software,
+        };
+        let mut renderer = Renderer::new(shared, options, None, Box::new(move |event| drop(say.send(event))));
+        renderer.open(&Source { name: "empty".to_owned(), index: None }, 1).unwrap();
+        for _ in 0..MOST_RECOVERIES {
+            assert_eq!(renderer.recover("gone"), Ok(()));
+        }
+        assert!(renderer.recover("gone").unwrap_err().contains("3 times in a row"));
+    }
 }
