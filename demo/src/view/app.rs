@@ -19,6 +19,7 @@ use std::process::{Child, Command, Stdio};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
 use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
 
 /// Frames of each side that are measured.
 const FRAMES: u32 = 5;
@@ -111,6 +112,7 @@ pub struct App {
     pub messages: Vec<String>,
     /// What the renderer is at.
     pub busy: &'static str,
+    busy_since: Instant,
     /// Where a picture is wrong, in place of it.
     pub show_error: bool,
     /// Around the pointer.
@@ -177,6 +179,7 @@ impl App {
             tried_of: None,
             messages: Vec::new(),
             busy: "opening",
+            busy_since: Instant::now(),
             show_error: false,
             magnify: false,
             scale: None,
@@ -273,7 +276,7 @@ impl App {
                 self.progress = None;
                 (0..2).for_each(|side| self.hold_against(side));
             }
-            Event::Busy(with) => self.busy = with,
+            Event::Busy(with) => (self.busy, self.busy_since) = (with, Instant::now()),
             Event::Recovered(why) => self.say(format!("the graphics device was lost ({why}) and is there again")),
             Event::NotBuilt(options, why) => {
                 if self.options == options {
@@ -383,6 +386,14 @@ impl App {
     /// Of the scene that is shown.
     pub fn scene_name(&self) -> &str {
         self.opened.as_ref().map_or(&self.source.0.name, |opened| &opened.source.name)
+    }
+
+    /// What the renderer is at, and for how long where that makes one wonder.
+    pub fn busy_text(&self) -> String {
+        match self.busy_since.elapsed().as_secs() {
+            0..3 => format!("{}…", self.busy),
+            seconds => format!("{}… {seconds} s", self.busy),
+        }
     }
 
     /// The sun that shines.
@@ -534,8 +545,9 @@ impl App {
             ui.separator();
             ui.label(self.scene_name());
             if !self.busy.is_empty() {
-                ui.spinner();
-                ui.label(self.busy);
+                // Nothing that turns: where the CPU draws, that takes as much of it as the frame that is waited for.
+                ui.label(self.busy_text());
+                ui.ctx().request_repaint_after(Duration::from_millis(500));
             }
         });
     }
@@ -644,7 +656,7 @@ impl App {
     fn watch_report(&mut self, ctx: &Context) {
         let Some(report) = &mut self.report else { return };
         match report.child.try_wait() {
-            Ok(None) => ctx.request_repaint_after(std::time::Duration::from_millis(500)),
+            Ok(None) => ctx.request_repaint_after(Duration::from_millis(500)),
             Ok(Some(status)) => {
                 let page = report.folder.join("report.html");
                 let errors = report.errors.take().and_then(|thread| thread.join().ok()).unwrap_or_default();

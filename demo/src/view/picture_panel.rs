@@ -26,7 +26,8 @@ impl App {
         let response = ui.allocate_rect(area, Sense::click_and_drag());
         let painter = ui.painter_at(area);
         let Some(size) = self.size() else {
-            let text = self.failed.as_deref().unwrap_or(if self.busy.is_empty() { "no picture" } else { self.busy });
+            let waits = if self.busy.is_empty() { "no picture".to_owned() } else { self.busy_text() };
+            let text = self.failed.clone().unwrap_or(waits);
             painter.text(
                 area.center(),
                 Align2::CENTER_CENTER,
