@@ -15,7 +15,7 @@ struct DaaGeometry {
 fn daa_geometry(pixel: vec2u, rank: u32) -> DaaGeometry {
     let at = pixel * DAA_M + daa_order(rank);
     let surface = textureLoad(daa_gbuffer_surface, at, 0).xy;
-    return daa_geometry_of(pixel, rank, textureLoad(daa_gbuffer_depth, at, 0), surface);
+    return daa_geometry_of(pixel, rank, daa_depth_at(at), surface);
 }
 
 /// By what the G-buffer holds there: depth, and the code of the normal and the identity.

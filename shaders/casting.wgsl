@@ -39,8 +39,9 @@ struct DaaCasting {
     samples: u32,
     /// 1: the rays of each sample are written down, for the debug view of them.
     keeps: u32,
+    padding: u32,
     /// Of DAA_SAMPLES_POINTS.
-    @align(16) step: DaaStep,
+    step: DaaStep,
     lights: array<DaaCastingLight, 32>,
 }
 

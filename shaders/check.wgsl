@@ -45,7 +45,7 @@ fn daa_checked(at: vec2i) -> DaaChecked {
     let last = vec2i(daa_frame.size * DAA_M) - 1;
     let inside = all(at >= vec2i(0)) && all(at <= last);
     let place = clamp(at, vec2i(0), last);
-    let d = textureLoad(daa_gbuffer_depth, place, 0);
+    let d = daa_depth_at(vec2u(place));
     let valid = inside && d > DAA_SKY_DEPTH && d <= 1.0;
     let position = daa_relative_position(vec2f(place) + 0.5, select(1.0, d, valid));
     let uv = bitcast<vec2f>(textureLoad(daa_gbuffer_uv, place, 0).xy);
@@ -91,7 +91,7 @@ fn daa_count_gradient(here: DaaChecked, next: DaaChecked, gradient: vec2f) {
 }
 
 fn daa_check_sample(at: vec2i) {
-    let d = textureLoad(daa_gbuffer_depth, at, 0);
+    let d = daa_depth_at(vec2u(at));
     let no_number = (bitcast<u32>(d) & 0x7f800000u) == 0x7f800000u;
     daa_count(DAA_BAD_DEPTH, no_number || d < 0.0 || d > 1.0);
     let here = daa_checked(at);

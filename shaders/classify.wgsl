@@ -34,7 +34,7 @@ fn daa_classify_main(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocati
     if all(pixel < daa_frame.size) {
         for (var i = 0u; i < DAA_M * DAA_M && found != wanted; i++) {
             let at = pixel * DAA_M + vec2u(i % DAA_M, i / DAA_M);
-            if textureLoad(daa_gbuffer_depth, at, 0) > DAA_SKY_DEPTH {
+            if daa_depth_at(at) > DAA_SKY_DEPTH {
                 let material = textureLoad(daa_gbuffer_surface, at, 0).y & 0xffffu;
                 found |= 1u | (((daa_bouncing[material >> 5u] >> (material & 31u)) & 1u) << 1u);
             }

@@ -14,10 +14,10 @@ fn daa_stands_for_all(pixel: vec2u) -> bool {
     let c = textureLoad(daa_gbuffer_surface, corner + vec2u(0u, far), 0).xy;
     let d = textureLoad(daa_gbuffer_surface, corner + far, 0).xy;
     let depth = vec4f(
-        textureLoad(daa_gbuffer_depth, corner, 0),
-        textureLoad(daa_gbuffer_depth, corner + vec2u(far, 0u), 0),
-        textureLoad(daa_gbuffer_depth, corner + vec2u(0u, far), 0),
-        textureLoad(daa_gbuffer_depth, corner + far, 0),
+        daa_depth_at(corner),
+        daa_depth_at(corner + vec2u(far, 0u)),
+        daa_depth_at(corner + vec2u(0u, far)),
+        daa_depth_at(corner + far),
     );
     let bend = abs((depth.x - depth.y) - (depth.z - depth.w));
     let one_plane = bend <= 1e-3 * max(max(depth.x, depth.y), max(depth.z, depth.w));

@@ -20,7 +20,8 @@ struct DaaLattice {
     /// Where its points begin in `daa_points`.
     first: u32,
     /// `Place` of src/lattice.rs.
-    @size(12) place: u32,
+    place: u32,
+    padding: vec2u,
 }
 
 /// From one lattice to the next finer.
@@ -34,7 +35,9 @@ struct DaaStep {
     /// 1 shadows and 2 reflections and refractions are what it is about; 0: colours.
     rays: u32,
     /// How far behind a point what its rays found lies in `daa_points`: shadow bits, and the code of shared_exponent.wgsl.
-    @size(16) found: u32,
+    found: u32,
+    padding: u32,
+    padding_too: vec2u,
 }
 
 /// What is kept of a point: its word, and of its sample the depth, the code of the normal and the identity, which so many look at
@@ -65,7 +68,7 @@ struct DaaPoint {
 
 fn daa_kept_point(word: u32, point: DaaPoint) -> vec4u {
     let at = point.pixel * DAA_M + daa_order(point.rank);
-    return vec4u(word, bitcast<u32>(textureLoad(daa_gbuffer_depth, at, 0)), textureLoad(daa_gbuffer_surface, at, 0).xy);
+    return vec4u(word, bitcast<u32>(daa_depth_at(at)), textureLoad(daa_gbuffer_surface, at, 0).xy);
 }
 
 fn daa_is_shifted(l: DaaLattice, row: i32) -> bool {

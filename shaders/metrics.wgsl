@@ -20,7 +20,7 @@ fn daa_read_depths(corner: vec2i) {
     for (var y = 0; y < i32(DAA_M) + 2; y++) {
         for (var x = 0; x < i32(DAA_M) + 2; x++) {
             let at = clamp(corner + vec2i(x, y) - 1, vec2i(0), last);
-            let d = textureLoad(daa_gbuffer_depth, at, 0);
+            let d = daa_depth_at(vec2u(at));
             daa_depths[y * (i32(DAA_M) + 2) + x] = select(0.0, d, d > DAA_SKY_DEPTH);
         }
     }
@@ -148,10 +148,10 @@ fn daa_mixed_shadow(pixel: vec2i) -> bool {
     for (var i = 0; i < 4; i++) {
         let step = select(vec2i(i - 2, 0), vec2i(0, i - 1), (i & 1) == 0);
         let at = vec2u(clamp(pixel + step, vec2i(0), last));
-        let surface = textureLoad(daa_gbuffer_depth, at * DAA_M + daa_order(0u), 0) > DAA_SKY_DEPTH;
+        let surface = daa_depth_at(at * DAA_M + daa_order(0u)) > DAA_SKY_DEPTH;
         mixed = mixed || (surface && daa_shadow_bits(at, 0u) != bits);
     }
-    return mixed && textureLoad(daa_gbuffer_depth, vec2u(pixel) * DAA_M + daa_order(0u), 0) > DAA_SKY_DEPTH;
+    return mixed && daa_depth_at(vec2u(pixel) * DAA_M + daa_order(0u)) > DAA_SKY_DEPTH;
 }
 
 /// Luminance as the luminance metric sees it: exposed, and on request on a curve like a display's, x/(1+x) and a

@@ -1,13 +1,19 @@
 // Reads the G-buffer and makes the DaaSample of a pixel and a rank.
 
 @group(0) @binding(0) var<uniform> daa_frame: DaaFrame;
-@group(0) @binding(1) var daa_gbuffer_depth: texture_depth_2d;
+// Not `texture_depth_2d`, which GLSL can't load from.
+@group(0) @binding(1) var daa_gbuffer_depth: texture_2d<f32>;
 @group(0) @binding(2) var daa_gbuffer_surface: texture_2d<u32>;
 @group(0) @binding(3) var daa_gbuffer_frame: texture_2d<u32>;
 @group(0) @binding(4) var daa_gbuffer_uv: texture_2d<u32>;
 
 /// Depths below are the sky. Above every denormal, so that flushing them changes nothing.
 const DAA_SKY_DEPTH: f32 = 1e-30;
+
+/// Of the sample there: 1 near, 0 far.
+fn daa_depth_at(at: vec2u) -> f32 {
+    return textureLoad(daa_gbuffer_depth, at, 0).x;
+}
 
 /// A sample's place among all, rank by rank and tile by tile.
 fn daa_sample_index(pixel: vec2u, rank: u32) -> u32 {
@@ -53,7 +59,7 @@ fn daa_fetch(pixel: vec2u, rank: u32, footprint: f32, offset: vec2f) -> DaaSampl
     let surface = textureLoad(daa_gbuffer_surface, at, 0).xy;
     let frame = textureLoad(daa_gbuffer_frame, at, 0).xy;
     let uv = textureLoad(daa_gbuffer_uv, at, 0);
-    let d = textureLoad(daa_gbuffer_depth, at, 0);
+    let d = daa_depth_at(at);
     let valid = d > DAA_SKY_DEPTH;
 
     var s: DaaSample;

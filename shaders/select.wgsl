@@ -59,7 +59,7 @@ fn daa_seen(pixel: vec2u, kind: u32) -> vec4u {
         return daa_hit(hit.x & 0xffffu, hit.x >> 16u, hit.y, hit.z);
     }
     let at = pixel * DAA_M + daa_order(0u);
-    if textureLoad(daa_gbuffer_depth, at, 0) <= DAA_SKY_DEPTH {
+    if daa_depth_at(at) <= DAA_SKY_DEPTH {
         return nothing;
     }
     let surface = textureLoad(daa_gbuffer_surface, at, 0).xy;

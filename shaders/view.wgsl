@@ -33,7 +33,7 @@ fn daa_surfaces(pixel: vec2u) -> u32 {
     var sky = 0u;
     for (var rank = 0u; rank < DAA_M * DAA_M; rank++) {
         let at = pixel * DAA_M + daa_order(rank);
-        if textureLoad(daa_gbuffer_depth, at, 0) <= DAA_SKY_DEPTH {
+        if daa_depth_at(at) <= DAA_SKY_DEPTH {
             sky = 1u;
             continue;
         }
@@ -88,7 +88,7 @@ fn daa_view_fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let pixel = vec2u(position.xy);
     let slot = ((pixel.y >> 3u) * daa_frame.tiles_x + (pixel.x >> 3u)) * 64u + (pixel.y & 7u) * 8u + (pixel.x & 7u);
     let s = daa_fetch(pixel, 0u, 1.0, vec2f(0.0));
-    let d = textureLoad(daa_gbuffer_depth, pixel * DAA_M + daa_order(0u), 0);
+    let d = daa_depth_at(pixel * DAA_M + daa_order(0u));
     // Without a plan every window has the same k: n, or 1.
     var plan = daa_plan[slot];
     if (daa_frame.flags & DAA_FLAG_PLANNED) == 0u {

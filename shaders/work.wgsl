@@ -17,7 +17,8 @@ struct DaaWork {
     /// Workgroups of 64, for an indirect dispatch.
     groups_x: u32,
     groups_y: u32,
-    @size(232) groups_z: u32,
+    groups_z: u32,
+    padding_too: array<u32, 57>,
 }
 
 /// The first entry that a workgroup draws, and whether there is one. A list of pixels is drawn in strides, each of which goes from

@@ -56,7 +56,12 @@ impl Classify {
 
     /// Compiles both.
     pub fn warm_up(&self, build: &Build) -> Result<(), PipelineError> {
-        [false, true].into_iter().try_for_each(|bounces| self.pipelines(build, bounces).map(|_| ()))
+        [false, true].into_iter().try_for_each(|bounces| self.compile(build, bounces))
+    }
+
+    /// Compiles one.
+    pub fn compile(&self, build: &Build, bounces: bool) -> Result<(), PipelineError> {
+        self.pipelines(build, bounces).map(|_| ())
     }
 
     fn pipelines(&self, build: &Build, bounces: bool) -> Result<&Pipelines, PipelineError> {

@@ -75,6 +75,7 @@ mod scratch;
 mod select;
 mod settings;
 mod shade;
+mod shader;
 mod statistics;
 mod table;
 mod trace;
@@ -101,6 +102,7 @@ pub use settings::{
     ColorReference, DebugView, DepthMeasure, Effect, Enabled, Execution, Goal, Lattice, LuminanceCurve,
     MultiResolution, Pattern, Preset, Reconstructed, Selective, Settings, Technique, Weight, Windowed,
 };
+pub use shader::Shader;
 pub use statistics::{PassTime, Statistics, TileCounts};
 pub use table::{
     BINDING_FEATURES, MAX_CLASSES, MAX_SAMPLERS, TableSampler, TableTexture, TextureTable, TextureTier, classes,
@@ -109,6 +111,10 @@ pub use {glam, wgpu};
 
 /// `@group` of the host's bindings.
 pub const HOST_GROUP: u32 = 2;
+
+/// All WGSL that a host's shading may use but for the texture table's ([`DeferredAa::texture_wgsl`]): joined behind it where it runs. For
+/// tools that parse it by itself.
+pub const CONTRACT_WGSL: &str = include_str!("../shaders/contract.wgsl");
 
 /// Pixels along one side of a tile.
 pub const TILE: u32 = 8;

@@ -2,6 +2,7 @@
 
 use crate::effects::Traced;
 use crate::error::PipelineError;
+use crate::shader::{Shader, Shaders};
 use crate::wgsl::HostSource;
 use std::sync::OnceLock;
 
@@ -75,6 +76,8 @@ pub(crate) struct Build {
     pub table_layout: Option<wgpu::BindGroupLayout>,
     /// `@group(2)`: the host's.
     pub host_layout: Option<wgpu::BindGroupLayout>,
+    /// Nothing is kept but for [`keeping`](Self::keeping).
+    pub shaders: Shaders,
 }
 
 /// A pipeline that is compiled when it is first needed, and kept.
@@ -98,6 +101,20 @@ impl<T> Lazy<T> {
 }
 
 impl Build {
+    /// Another that keeps the shaders of what it compiles.
+    pub fn keeping(&self) -> Self {
+        Self {
+            device: self.device.clone(),
+            m: self.m,
+            host: self.host.clone(),
+            target_format: self.target_format,
+            frame_layouts: self.frame_layouts.clone(),
+            table_layout: self.table_layout.clone(),
+            host_layout: self.host_layout.clone(),
+            shaders: Shaders::kept(),
+        }
+    }
+
     fn layout(&self, own: &wgpu::BindGroupLayout, traced: Traced, hosts: bool) -> wgpu::PipelineLayout {
         let frame = &self.frame_layouts[traced.index()];
         let host = |layout: &'_ Option<wgpu::BindGroupLayout>| layout.clone().filter(|_| hosts);
@@ -166,6 +183,14 @@ impl Build {
     ) -> Result<wgpu::ComputePipeline, PipelineError> {
         let m = [("DAA_M", f64::from(self.m))];
         let constants = [&m[..], constants].concat();
+        self.shaders.keep(|| Shader {
+            pass,
+            entry: entry.to_owned(),
+            stage: naga::ShaderStage::Compute,
+            source: source.clone(),
+            constants: owned(&constants),
+            zero_initialize_workgroup_memory: zeroed,
+        });
         self.checked(pass, || {
             let module = self.module(pass, source);
             self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
@@ -191,6 +216,16 @@ impl Build {
         own: &wgpu::BindGroupLayout,
         constants: &[(&str, f64)],
     ) -> Result<wgpu::RenderPipeline, PipelineError> {
+        for (entry, stage) in entries.into_iter().zip([naga::ShaderStage::Vertex, naga::ShaderStage::Fragment]) {
+            self.shaders.keep(|| Shader {
+                pass,
+                entry: entry.to_owned(),
+                stage,
+                source: source.clone(),
+                constants: owned(constants),
+                zero_initialize_workgroup_memory: true,
+            });
+        }
         self.checked(pass, || {
             let module = self.module(pass, source);
             let compilation_options = wgpu::PipelineCompilationOptions { constants, ..Default::default() };
@@ -227,6 +262,10 @@ impl Build {
             Some(e) => Err(PipelineError { pass, message: one_line(&e) }),
         }
     }
+}
+
+fn owned(constants: &[(&str, f64)]) -> Vec<(String, f64)> {
+    constants.iter().map(|&(name, value)| (name.to_owned(), value)).collect()
 }
 
 /// What wgpu said.

@@ -10,7 +10,7 @@ use std::ops::Range;
 
 /// The crate's chunks of WGSL.
 pub(crate) mod chunk {
-    pub const CONTRACT: &str = include_str!("../shaders/contract.wgsl");
+    pub const CONTRACT: &str = crate::CONTRACT_WGSL;
     pub const OCTAHEDRAL: &str = include_str!("../shaders/octahedral.wgsl");
     pub const SAMPLE: &str = include_str!("../shaders/sample.wgsl");
     pub const MEAN: &str = include_str!("../shaders/mean.wgsl");
@@ -424,7 +424,7 @@ pub(crate) const BUILTINS: &[&str] = &[
     "bitcast", "bool", "clamp", "cos", "countOneBits", "cross", "dot", "exp2", "f32", "firstLeadingBit", "firstTrailingBit", "floor", "fract", "i32", "inverseSqrt", "length", "log2",
     "mat3x3f", "mat4x2f", "mat4x4f", "max", "min", "normalize", "pack2x16snorm", "pow", "rayQueryConfirmIntersection", "rayQueryGetCandidateIntersection", "rayQueryGetCommittedIntersection",
     "rayQueryInitialize", "rayQueryProceed", "reflect", "refract", "round", "sampler", "select", "sign", "sin", "sqrt", "textureLoad",
-    "textureSampleGrad", "textureStore", "texture_2d", "texture_2d_array", "texture_depth_2d", "texture_storage_2d",
+    "textureSampleGrad", "textureStore", "texture_2d", "texture_2d_array", "texture_storage_2d",
     "u32", "unpack2x16float", "unpack2x16snorm", "unpack4x8snorm", "unpack4x8unorm", "vec2f", "vec2i", "vec2u",
     "vec3f", "vec3u", "vec4f", "vec4i", "vec4u", "workgroupBarrier", "workgroupUniformLoad",
 ];

@@ -82,6 +82,18 @@ impl Gpu {
         Self::with(adapter.clone(), requirements.features, adapter.limits())
     }
 
+    /// A device of wgpu's backend that draws nothing, on any machine, for nodes of this descriptor: it checks and counts.
+    pub fn drawing_nothing(descriptor: &Descriptor<'_>) -> Result<Self, GpuError> {
+        let mut wanted = wgpu::InstanceDescriptor::new_without_display_handle();
+        wanted.backends = wgpu::Backends::NOOP;
+        wanted.backend_options.noop.enable = true;
+        let adapters = pollster::block_on(wgpu::Instance::new(wanted).enumerate_adapters(wgpu::Backends::NOOP));
+        let adapter = adapters.into_iter().next().ok_or(GpuError::NoAdapter(None))?;
+        // It says of no format that it renders to it.
+        let features = DeferredAa::requirements(&adapter, descriptor).features;
+        Self::with(adapter.clone(), features, adapter.limits())
+    }
+
     /// A device with exactly these features and limits.
     pub fn with(adapter: wgpu::Adapter, features: wgpu::Features, limits: wgpu::Limits) -> Result<Self, GpuError> {
         // SAFETY: asked for only with a feature that is behind it. Its structures are built by this crate from checked

@@ -17,7 +17,7 @@ use glam::Vec3;
 pub const TARGET_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
 /// Most textures of a scene on the binding tier.
-const TEXTURE_CAPACITY: u32 = 1024;
+pub const TEXTURE_CAPACITY: u32 = 1024;
 
 /// material.wgsl and shading.wgsl: the host's WGSL.
 pub const SHADING_WGSL: &str = concat!(include_str!("material.wgsl"), "\n", include_str!("shading.wgsl"));

@@ -8,15 +8,12 @@ use crate::host::{Lighting, SHADING_WGSL};
 use crate::raster::{Instance, View};
 use crate::upload::{GpuLight, GpuMaterial, Vertex};
 use compare::{parse, rust_layout, wgsl_layout};
-use deferred_aa::{DeferredAa, TextureTier, gbuffer};
+use deferred_aa::{CONTRACT_WGSL, DeferredAa, TextureTier, gbuffer};
 use wgpu::naga;
-
-/// What of the contract the shading needs to parse by itself.
-const CONTRACT: &str = include_str!("../../shaders/contract.wgsl");
 
 fn shading(tier: TextureTier) -> naga::Module {
     let (directives, table) = DeferredAa::texture_wgsl(tier);
-    parse(&[directives, SHADING_WGSL, CONTRACT, table].join("\n"))
+    parse(&[directives, SHADING_WGSL, CONTRACT_WGSL, table].join("\n"))
 }
 
 /// Joined as [`Raster`](crate::raster::Raster) joins it.

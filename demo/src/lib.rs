@@ -21,6 +21,7 @@ pub mod rays;
 pub mod report;
 pub mod scene;
 pub mod settings_file;
+pub mod shaders;
 pub mod stats;
 pub mod temporal;
 pub mod tune;

@@ -2,8 +2,8 @@
 
 use wgpu::naga;
 
-/// Name, offset and size of each member in order, and the size of the whole. Padding is left out: Rust names what WGSL
-/// leaves implicit, and the members around it show if it is wrong.
+/// Name, offset and size of each member in order, and the size of the whole. Padding is left out: the members around it show if it is
+/// wrong.
 pub type Layout = (Vec<(String, u32, u32)>, u32);
 
 /// The layout of a `Zeroable` Rust struct. Does not compile unless all of its fields are named; their order is the
@@ -31,7 +31,7 @@ pub fn wgsl_layout(module: &naga::Module, name: &str) -> Layout {
         panic!("the module has no struct {name}")
     };
     let member = |m: &naga::StructMember| (m.name.clone().unwrap_or_default(), m.offset, layouter[m.ty].size);
-    (members.iter().map(member).filter(|m| m.0 != "padding").collect(), *span)
+    (members.iter().map(member).filter(|m| !m.0.starts_with("padding")).collect(), *span)
 }
 
 /// Parses and validates, as wgpu will.

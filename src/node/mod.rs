@@ -14,13 +14,14 @@ use crate::gbuffer::GBuffer;
 use crate::goal::Controller;
 use crate::lattice::{Place, StepUniform, Steps, Use};
 use crate::loans::{Lent, Loans};
-use crate::pipeline::{self, Build, Resource};
+use crate::pipeline::{self, Build, PassInfo, Resource};
 use crate::rays::RayTier;
 use crate::requirements::{self, Memory, Requirements};
 use crate::resources::{Part, PartInfo, Shape};
 use crate::scratch::{self, List, ListKind, Scratch};
 use crate::select::Marks;
 use crate::settings::{Pattern, Settings, Technique};
+use crate::shader::{Shader, Shaders};
 use crate::statistics::{Collector, Recorded, Statistics};
 use crate::table::{TableTexture, Tables, TextureTable, TextureTier};
 use crate::traces::{Kept, Samples};
@@ -198,6 +199,7 @@ impl DeferredAa {
             frame_layouts: Traced::ALL.map(|traced| frame_layout(device, traced)),
             table_layout: tables.as_ref().map(|t| t.layout.clone()),
             host_layout: host_layout.cloned(),
+            shaders: Shaders::default(),
         };
         let aa = Self {
             tables,
@@ -402,6 +404,13 @@ impl DeferredAa {
         let traced = Traced::of(settings, needs);
         let steps = order(settings, traced).into_iter().flatten();
         steps.enumerate().map(move |(index, step)| Pass { info: step.info(traced), step, index })
+    }
+
+    /// The shaders of those passes, in order: for a host that is not on wgpu, and translates and compiles them by itself. The demo's
+    /// command `shaders` does so. Slow: each is compiled here too, as its only check.
+    pub fn shaders(&self, settings: &Settings, needs: &Needs<'_>) -> Result<Vec<(PassInfo, Vec<Shader>)>, RecordError> {
+        settings.validate()?;
+        self.pipelines.shaders(settings, Traced::of(settings, needs))
     }
 
     /// Records the frame: all its passes, and the copies of its statistics. Nothing is recorded if it fails.

@@ -13,7 +13,7 @@ use crate::listed::Listed;
 use crate::map::Map;
 use crate::max_filter::MaxFilter;
 use crate::metrics::Metrics;
-use crate::pipeline::Build;
+use crate::pipeline::{Build, PassInfo};
 use crate::plan::Plan;
 use crate::points::Points;
 use crate::rays::RayTier;
@@ -23,6 +23,7 @@ use crate::resolve::Resolve;
 use crate::select::Select;
 use crate::settings::Settings;
 use crate::shade::Shade;
+use crate::shader::Shader;
 use crate::trace::Trace;
 use crate::view::View;
 use std::collections::HashSet;
@@ -107,6 +108,23 @@ impl Pipelines {
             }
         }
         Ok(())
+    }
+
+    /// What each pass of frames with these settings and this traced runs. Compiles them anew, so that each pass has all of its
+    /// own.
+    pub fn shaders(&self, settings: &Settings, traced: Traced) -> Result<Vec<(PassInfo, Vec<Shader>)>, RecordError> {
+        let tier = self.tracing.as_ref().map(|tracing| tracing.tier);
+        let steps = order(settings, traced).into_iter().flatten();
+        let pass = |step: Step| {
+            let one = Self::new(self.build.keeping(), tier);
+            match (step, &one.tracing) {
+                // Frames have both ready.
+                (Step::Classify { bounces }, Some(tracing)) => tracing.classify.compile(&one.build, bounces)?,
+                _ => one.compile(step, traced)?,
+            }
+            Ok((step.info(traced), one.build.shaders.take()))
+        };
+        steps.map(pass).collect()
     }
 
     fn has(&self, key: (Step, Traced)) -> bool {

@@ -360,7 +360,7 @@ pub(super) fn frame_layout(device: &wgpu::Device, traced: Traced) -> wgpu::BindG
             },
             count: None,
         },
-        texture(1, wgpu::TextureSampleType::Depth),
+        texture(1, wgpu::TextureSampleType::Float { filterable: false }),
         texture(2, wgpu::TextureSampleType::Uint),
         texture(3, wgpu::TextureSampleType::Uint),
         texture(4, wgpu::TextureSampleType::Uint),

@@ -5,6 +5,7 @@ mod demo;
 mod render;
 mod report;
 mod set;
+mod shaders;
 mod tune;
 mod view;
 
@@ -18,6 +19,7 @@ use crate::report::ReportError;
 use crate::scene::load::LoadError;
 use crate::scene::{Camera, Scene, builtin, load};
 use crate::settings_file::SettingsFileError;
+use crate::shaders::ShadersError;
 use crate::view::ViewError;
 use deferred_aa::rays::RayTier;
 use deferred_aa::{Preset, Technique, TextureTier};
@@ -44,6 +46,8 @@ enum Command {
     Tune(tune::Tune),
     /// Opens a window: every setting on a control, two of them side by side, what each costs and how near it comes, live.
     View(view::View),
+    /// Writes the shaders of a technique in another language, with a table of what they bind: for engines that aren't on wgpu.
+    Shaders(shaders::Shaders),
     /// Lists the graphics adapters and what each can run.
     Adapters,
 }
@@ -72,6 +76,9 @@ pub enum CommandError {
     /// The window.
     #[error(transparent)]
     View(#[from] ViewError),
+    /// The shaders.
+    #[error(transparent)]
+    Shaders(#[from] ShadersError),
     /// A settings file.
     #[error(transparent)]
     Settings(#[from] SettingsFileError),
@@ -102,6 +109,7 @@ impl Cli {
             Command::Report(report) => report.run(),
             Command::Tune(tune) => tune.run(),
             Command::View(view) => view.run(),
+            Command::Shaders(shaders) => shaders.run(),
             Command::Adapters => {
                 adapters::run();
                 Ok(())

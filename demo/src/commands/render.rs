@@ -1,32 +1,22 @@
 //! `render`: one technique on one view, with everything that it wrote.
 
-use super::{CommandError, ViewArgs, parse_preset, parse_technique, say, set};
+use super::set::SettingsArgs;
+use super::{CommandError, ViewArgs, say};
 use crate::goal;
 use crate::picture;
 use crate::quality;
 use crate::raster::node_camera;
-use crate::settings_file;
 use crate::stats::Stats;
-use deferred_aa::{DebugView, Goal, Preset, Settings, Technique};
-use std::path::{Path, PathBuf};
+use deferred_aa::{DebugView, Goal, Settings, Technique};
+use std::path::Path;
 
 /// See `deferred-aa-demo render --help`.
 #[derive(Debug, clap::Args)]
 pub struct Render {
     #[command(flatten)]
     view: ViewArgs,
-    /// full, single, windowed, reconstructed, selective or multiresolution; windowed, or that of --settings, if not given.
-    #[arg(long, value_parser = parse_technique)]
-    technique: Option<Technique>,
-    /// The settings of windowed: fast, balanced or quality; balanced if not given.
-    #[arg(long, value_parser = parse_preset, conflicts_with = "file")]
-    preset: Option<Preset>,
-    /// Settings that the viewer saved.
-    #[arg(long = "settings", value_name = "FILE")]
-    file: Option<PathBuf>,
-    /// On top of these, any field of the settings by its path, such as windowed.luminance_scale=40 or execution=loop; may be repeated.
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    settings: Vec<String>,
+    #[command(flatten)]
+    settings: SettingsArgs,
     /// An error or a time to keep to, such as error=0.01 (40 dB) or time=8 (milliseconds of the node): renders until the
     /// search rests, and says how it ended.
     #[arg(long, value_name = "error=E|time=MS", value_parser = goal::parse)]
@@ -41,12 +31,7 @@ pub struct Render {
 
 impl Render {
     pub fn run(self) -> Result<(), CommandError> {
-        let base = match &self.file {
-            Some(path) => settings_file::load(path)?,
-            None => self.preset.unwrap_or_default().settings(),
-        };
-        let base = Settings { technique: self.technique.unwrap_or(base.technique), ..base };
-        let settings = set::apply(base, &self.settings)?;
+        let settings = self.settings.settings()?;
         let settings = Settings { goal: self.goal.or(settings.goal), ..settings };
         settings
             .validate()

@@ -1,9 +1,39 @@
 //! `--set key=value`: any field of the settings by its path.
 
-use super::CommandError;
+use super::{CommandError, parse_preset, parse_technique};
 use crate::names::nearest;
-use deferred_aa::Settings;
+use crate::settings_file;
+use deferred_aa::{Preset, Settings, Technique};
 use serde_json::Value;
+use std::path::PathBuf;
+
+/// The settings of a frame: shared by the commands that take one set of them.
+#[derive(Debug, clap::Args)]
+pub struct SettingsArgs {
+    /// full, single, windowed, reconstructed, selective or multiresolution; windowed, or that of --settings, if not given.
+    #[arg(long, value_parser = parse_technique)]
+    technique: Option<Technique>,
+    /// The settings of windowed: fast, balanced or quality; balanced if not given.
+    #[arg(long, value_parser = parse_preset, conflicts_with = "file")]
+    preset: Option<Preset>,
+    /// Settings that the viewer saved.
+    #[arg(long = "settings", value_name = "FILE")]
+    file: Option<PathBuf>,
+    /// On top of these, any field of the settings by its path, such as windowed.luminance_scale=40 or execution=loop; may be repeated.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    settings: Vec<String>,
+}
+
+impl SettingsArgs {
+    /// All of these, applied in order.
+    pub fn settings(&self) -> Result<Settings, CommandError> {
+        let base = match &self.file {
+            Some(path) => settings_file::load(path)?,
+            None => self.preset.unwrap_or_default().settings(),
+        };
+        apply(Settings { technique: self.technique.unwrap_or(base.technique), ..base }, &self.settings)
+    }
+}
 
 /// The settings with all assignments applied, checked.
 pub fn apply(settings: Settings, assignments: &[String]) -> Result<Settings, CommandError> {
