@@ -1,9 +1,10 @@
 //! A small frame graph as a host might have one: it reorders passes, leaves out those that nobody needs, and gives the memory
 //! of resources that are not alive to others and to passes of its own. The image is that of `record`, bit for bit.
 
-use crate::shadows::host;
+use crate::shadows::{host, host_on, tiers};
+use deferred_aa::rays::RayTier;
 use deferred_aa::{
-    DebugView, DeferredAa, Effect, Execution, Frame, LendError, Lent, Lifetime, Part, PartInfo, PartKind, Pass,
+    DebugView, DeferredAa, Effect, Execution, Frame, Goal, LendError, Lent, Lifetime, Part, PartInfo, PartKind, Pass,
     Physical, RecordError, Resource, Settings, Technique, wgpu,
 };
 use deferred_aa_demo::host::Host;
@@ -285,12 +286,12 @@ fn by_graph(host: &mut Host, settings: Settings, statistics: bool, how: (Pick, F
 }
 
 /// The image by the graph is that of `record`, whatever the order, with and without rays, and the memory comes back.
-fn compare(effect: Effect) {
+fn compare(effect: Effect, tier: RayTier, ways: &[Settings]) {
     let scene = builtin("mirrors").unwrap();
     let camera = scene.default_camera();
-    let mut host = host(scene, 2, SIZE);
+    let mut host = host_on(scene, 2, SIZE, tier);
     let mut all = Seen::default();
-    for way in ways() {
+    for &way in ways {
         let traced: &[DebugView] = if effect == Effect::Off { &[] } else { &[DebugView::Tiles, DebugView::Rays] };
         for &view in [DebugView::Image, DebugView::Count].iter().chain(traced) {
             let settings = Settings { view, shadows: effect, reflections: effect, refraction: effect, ..way };
@@ -322,12 +323,45 @@ fn compare(effect: Effect) {
 
 #[test]
 fn a_graph_that_reorders_culls_and_aliases_makes_the_same_image() {
-    compare(Effect::Off);
+    compare(Effect::Off, RayTier::Software, &ways());
 }
 
 #[test]
 fn a_graph_that_reorders_culls_and_aliases_makes_the_same_image_with_rays() {
-    compare(Effect::On);
+    compare(Effect::On, RayTier::Software, &ways());
+}
+
+#[test]
+fn a_graph_makes_the_same_image_with_ray_query() {
+    if tiers().contains(&RayTier::Query) {
+        let techniques = [Technique::Windowed, Technique::Selective, Technique::MultiResolution];
+        let ways = techniques.map(|technique| Settings { technique, ..Default::default() });
+        compare(Effect::On, RayTier::Query, &ways);
+    }
+}
+
+/// The audits are passes too, and what a goal comes to depends on every frame before.
+#[test]
+fn a_goal_comes_to_the_same_by_a_graph() {
+    for effect in [Effect::Off, Effect::On] {
+        let scene = || builtin("mirrors").unwrap();
+        let camera = scene().default_camera();
+        let (mut whole, mut parts) = (host(scene(), 2, SIZE), host(scene(), 2, SIZE));
+        let goal = Some(Goal::Error(0.02));
+        let settings =
+            Settings { goal, shadows: effect, reflections: effect, refraction: effect, ..Default::default() };
+        let mut efforts = Vec::new();
+        for frame in 0..12 {
+            let expected = whole.frame(&camera, settings).expect("a frame").statistics.goal;
+            let pick = if frame % 2 == 0 { Pick::Last } else { Pick::Seeded(frame) };
+            let seen = by_graph(&mut parts, settings, true, (pick, Flaw::None));
+            assert_eq!(seen.left_out, 0);
+            assert_eq!(parts.aa.statistics().expect("statistics").goal, expected, "{effect:?} {frame}");
+            assert!(parts.picture().rgba == whole.picture().rgba, "{effect:?} {frame}");
+            efforts.push(expected.expect("a goal").effort);
+        }
+        assert!(efforts.first() != efforts.last(), "{efforts:?}");
+    }
 }
 
 /// The comparison sees what a graph gets wrong.

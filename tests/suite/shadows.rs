@@ -14,7 +14,7 @@ use deferred_aa_demo::raster::node_camera;
 use deferred_aa_demo::rays::casting_lights;
 use deferred_aa_demo::scene::{Camera, Instance, Light, LightKind, Mesh, Scene, Sun, builtin};
 
-fn host_on(scene: Scene, m: u32, [width, height]: [u32; 2], rays: RayTier) -> Host {
+pub fn host_on(scene: Scene, m: u32, [width, height]: [u32; 2], rays: RayTier) -> Host {
     let adapter = gpu::choose(std::env::var("WGPU_ADAPTER_NAME").ok().as_deref()).expect("tests need an adapter");
     let gpu = Gpu::new(adapter, &descriptor(m, TextureTier::Arrays, rays)).expect("a device");
     let options = Options { width, height, m, textures: TextureTier::Arrays, stall: 1, anisotropy: 4, rays };

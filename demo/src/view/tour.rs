@@ -488,7 +488,7 @@ mod tests {
         let line = std::iter::once("deferred-aa-demo".to_owned()).chain(arguments.clone());
         let parsed = <crate::commands::Cli as clap::Parser>::try_parse_from(line).map(|cli| format!("{cli:?}"));
         let parsed = parsed.unwrap_or_else(|e| panic!("{e}"));
-        let out = format!("{:?}", folder);
+        let out = format!("{folder:?}");
         for part in ["Report", "\"flat\"", "size: (48, 27)", "m: [2]", "quick: true", &out] {
             assert!(parsed.contains(part), "{part} in {parsed}");
         }
