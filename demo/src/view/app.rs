@@ -113,6 +113,8 @@ pub struct App {
     /// What the renderer is at.
     pub busy: &'static str,
     busy_since: Instant,
+    /// Controls and costs are shown.
+    pub panels: bool,
     /// Where a picture is wrong, in place of it.
     pub show_error: bool,
     /// Around the pointer.
@@ -180,6 +182,7 @@ impl App {
             messages: Vec::new(),
             busy: "opening",
             busy_since: Instant::now(),
+            panels: true,
             show_error: false,
             magnify: false,
             scale: None,
@@ -199,8 +202,14 @@ impl App {
         self.keys(ui);
         egui::Panel::top("bar").show(ui, |ui| self.bar(ui));
         egui::Panel::bottom("log").show(ui, |ui| self.log(ui));
-        egui::Panel::left("settings").default_size(360.0).show(ui, |ui| self.settings(ui));
-        egui::Panel::right("cost").default_size(380.0).show(ui, |ui| self.cost(ui));
+        if self.panels {
+            // Large text must leave room for the picture: what a panel has no room for, it scrolls.
+            let widest = ui.available_width() * 0.35;
+            let [settings, cost] = [360f32, 380.0].map(|points| points.min(widest));
+            let panel = egui::Panel::left("settings").default_size(settings).max_size(widest);
+            panel.show(ui, |ui| self.settings(ui));
+            egui::Panel::right("cost").default_size(cost).max_size(widest).show(ui, |ui| self.cost(ui));
+        }
         egui::CentralPanel::default().show(ui, |ui| self.picture(ui));
         self.dialogs(ui);
         self.sync();
@@ -456,7 +465,13 @@ impl App {
                 self.kept.divider = (self.kept.divider + by).clamp(0.0, 1.0);
             }
         }
-        for (key, value) in [(Key::F, &mut self.frozen), (Key::Z, &mut self.magnify), (Key::X, &mut self.show_error)] {
+        let switches = [
+            (Key::F, &mut self.frozen),
+            (Key::Z, &mut self.magnify),
+            (Key::X, &mut self.show_error),
+            (Key::P, &mut self.panels),
+        ];
+        for (key, value) in switches {
             if pressed(Modifiers::NONE, key) {
                 *value = !*value;
             }

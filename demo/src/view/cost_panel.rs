@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 
 impl App {
     pub(super) fn cost(&mut self, ui: &mut Ui) {
-        ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
+        ScrollArea::both().auto_shrink([false, false]).show(ui, |ui| {
             ui.heading("Cost");
             self.bars(ui);
             self.passes(ui);

@@ -87,7 +87,7 @@ pub fn report() -> Dialog {
 }
 
 /// What keys do.
-const KEYS: [(&str, &str); 18] = [
+const KEYS: [(&str, &str); 19] = [
     ("W A S D, Q E", "fly; with Shift faster"),
     ("drag on the picture", "look around"),
     ("wheel", "fly ahead and back; with Ctrl narrow or widen the view"),
@@ -98,6 +98,7 @@ const KEYS: [(&str, &str); 18] = [
     ("[ ]", "move the divider"),
     ("Z", "magnifier"),
     ("X", "where the picture is wrong"),
+    ("P", "without the panels, or with them"),
     ("1 2 3", "image, samples, what decided them"),
     ("Ctrl+O", "open a scene"),
     ("Ctrl+S", "save the settings"),
@@ -128,12 +129,15 @@ impl Dialog {
                 if close.clicked() { Answer::Closed } else { Answer::None }
             }
             Self::Keys => {
-                egui::Grid::new("keys").num_columns(2).show(ui, |ui| {
-                    for (key, what) in KEYS {
-                        ui.strong(key);
-                        ui.label(what);
-                        ui.end_row();
-                    }
+                let room = (ui.ctx().content_rect().height() - 80.0).max(100.0);
+                egui::ScrollArea::vertical().max_height(room).show(ui, |ui| {
+                    egui::Grid::new("keys").num_columns(2).show(ui, |ui| {
+                        for (key, what) in KEYS {
+                            ui.strong(key);
+                            ui.label(what);
+                            ui.end_row();
+                        }
+                    });
                 });
                 Answer::None
             }

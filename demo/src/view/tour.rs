@@ -132,6 +132,7 @@ mod tests {
         app: App,
         events: Vec<Event>,
         dropped: Vec<DroppedFileHandle>,
+        screen: egui::Vec2,
     }
 
     #[derive(Debug)]
@@ -166,11 +167,11 @@ mod tests {
             let source = Source { name: scene.to_owned(), index: None };
             let start = Start { source, camera: None, options, adapter: None, kept, kept_at, fill: false };
             let app = App::new(&ctx, start).unwrap();
-            Self { ctx, app, events: Vec::new(), dropped: Vec::new() }
+            Self { ctx, app, events: Vec::new(), dropped: Vec::new(), screen: egui::vec2(1280.0, 800.0) }
         }
 
         fn frame(&mut self) {
-            let screen_rect = Some(Rect::from_min_size(Pos2::ZERO, egui::vec2(1280.0, 800.0)));
+            let screen_rect = Some(Rect::from_min_size(Pos2::ZERO, self.screen));
             let input = RawInput {
                 screen_rect,
                 events: std::mem::take(&mut self.events),
@@ -312,6 +313,19 @@ mod tests {
         rig.app.options = Options { width: 16_384, height: 16_384, m: 8, ..rig.app.options };
         rig.until("the reason", |app| app.dialog.is_some());
         assert!(rig.app.messages.iter().any(|m| m.starts_with("not possible")), "{:?}", rig.app.messages);
+    }
+
+    /// Text of twice the size is a window of half as many points.
+    #[test]
+    fn large_text_leaves_room_for_the_picture() {
+        let mut rig = Rig::kept_at("empty", plain(), None);
+        rig.until("a picture", |app| app.sides[0].rendered.is_some());
+        rig.screen = egui::vec2(640.0, 400.0);
+        (0..3).for_each(|_| rig.frame());
+        assert!(rig.app.place[0] > 160, "{:?}", rig.app.place);
+        rig.key(egui::Key::P, Modifiers::NONE);
+        rig.frame();
+        assert!(rig.app.place[0] > 600, "{:?}", rig.app.place);
     }
 
     /// Nothing that takes long.
