@@ -7,9 +7,11 @@ use super::worker::{Rendered, casts};
 use crate::host::Sent;
 use deferred_aa::{Settings, Technique, window};
 use egui::{
-    Align2, Color32, CursorIcon, FontId, Painter, Pos2, Rect, Response, Sense, Stroke, TextureId, Ui, pos2, vec2,
+    Align2, Color32, CursorIcon, FontId, Galley, Painter, Pos2, Rect, Response, Sense, Stroke, TextureId, Ui, pos2,
+    vec2,
 };
 use glam::{Vec2, Vec3};
+use std::sync::Arc;
 
 /// Width of what drags the divider, in points.
 const HANDLE: f32 = 12.0;
@@ -96,6 +98,7 @@ impl App {
     }
 
     fn captions(&self, painter: &Painter, area: Rect, rect: Rect, divider: Option<f32>) {
+        let mut first: Option<Rect> = None;
         for side in (0..2).filter(|&side| self.shows(side)) {
             let text = self.caption(side);
             let (at, align) = match (divider, side) {
@@ -104,10 +107,20 @@ impl App {
                 }
                 _ => (pos2(rect.left().max(area.left()) + 6.0, rect.top().max(area.top()) + 6.0), Align2::LEFT_TOP),
             };
-            on_dark(painter, at, align, &text);
+            // Where both have no room beside each other, the second is below.
+            let galley = painter.layout_no_wrap(text, FontId::proportional(13.0), Color32::WHITE);
+            let mut own = align.anchor_size(at, galley.size()).expand(3.0);
+            if let Some(first) = first.filter(|first| first.intersects(own)) {
+                own = own.translate(vec2(0.0, first.height() + 3.0));
+            }
+            first = Some(own);
+            on_dark(painter, own, galley);
         }
         if self.frozen {
-            on_dark(painter, pos2(area.center().x, area.bottom() - 6.0), Align2::CENTER_BOTTOM, "frozen: F lets go");
+            let text = "frozen: F lets go".to_owned();
+            let galley = painter.layout_no_wrap(text, FontId::proportional(13.0), Color32::WHITE);
+            let at = pos2(area.center().x, area.bottom() - 6.0);
+            on_dark(painter, Align2::CENTER_BOTTOM.anchor_size(at, galley.size()).expand(3.0), galley);
         }
     }
 
@@ -186,11 +199,9 @@ impl App {
     }
 }
 
-fn on_dark(painter: &Painter, at: Pos2, align: Align2, text: &str) {
-    let galley = painter.layout_no_wrap(text.to_owned(), FontId::proportional(13.0), Color32::WHITE);
-    let rect = align.anchor_size(at, galley.size());
-    painter.rect_filled(rect.expand(3.0), 3.0, Color32::from_black_alpha(170));
-    painter.galley(rect.min, galley, Color32::WHITE);
+fn on_dark(painter: &Painter, rect: Rect, galley: Arc<Galley>) {
+    painter.rect_filled(rect, 3.0, Color32::from_black_alpha(170));
+    painter.galley(rect.min + vec2(3.0, 3.0), galley, Color32::WHITE);
 }
 
 /// Which samples of a window were shaded.

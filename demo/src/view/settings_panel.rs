@@ -14,11 +14,11 @@ use serde_json::{Value, json};
 use std::f32::consts::PI;
 
 /// Of an open list, in points: all debug views at once.
-const TALL: f32 = 480.0;
+const TALL: f32 = 600.0;
 
 impl App {
     pub(super) fn settings(&mut self, ui: &mut Ui) {
-        ui.horizontal(|ui| {
+        ui.horizontal_wrapped(|ui| {
             for (side, name) in [(0, "Left"), (1, "Right")] {
                 let title = format!("{name}: {}", technique(&self.sides[side].settings));
                 if ui.selectable_label(self.edited == side, title).clicked() {
