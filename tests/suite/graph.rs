@@ -306,9 +306,8 @@ fn compare(effect: Effect, tier: RayTier, ways: &[Settings]) {
                         (&counted.histogram_k, counted.shadow_rays, counted.reflection_rays, counted.points),
                         (&whole.histogram_k, whole.shadow_rays, whole.reflection_rays, whole.points),
                     );
-                    // What maps a lattice to pixels counts nothing, and the views of rays do not read it.
-                    let mapped = way.technique == Technique::MultiResolution && traced.contains(&view);
-                    assert_eq!(seen.left_out, usize::from(mapped), "{settings:?}");
+                    // What maps a lattice to pixels counts nothing, and a view of rays may not read it.
+                    assert!(seen.left_out <= usize::from(traced.contains(&view)), "{settings:?}");
                 }
                 all.left_out += seen.left_out;
                 all.reordered |= seen.reordered;
