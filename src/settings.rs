@@ -86,6 +86,12 @@ pub enum Technique {
     MultiResolution,
 }
 
+impl Technique {
+    /// All of them.
+    pub const ALL: [Self; 6] =
+        [Self::Full, Self::Single, Self::Windowed, Self::Reconstructed, Self::Selective, Self::MultiResolution];
+}
+
 /// The lattices of [`Technique::MultiResolution`]: points in squares or triangles over first samples, from a coarse pitch down to
 /// pixels. A point of a finer lattice is sampled where a coarser one around it departs from the mean of its neighbours on opposite
 /// sides (the thesis, section 4.2, Algorithm 1); elsewhere it is interpolated between those around it. Lattices are nested, so that

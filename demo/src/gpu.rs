@@ -89,8 +89,11 @@ impl Gpu {
         wanted.backend_options.noop.enable = true;
         let adapters = pollster::block_on(wgpu::Instance::new(wanted).enumerate_adapters(wgpu::Backends::NOOP));
         let adapter = adapters.into_iter().next().ok_or(GpuError::NoAdapter(None))?;
-        // It says of no format that it renders to it.
-        let features = DeferredAa::requirements(&adapter, descriptor).features;
+        // Whatever the host's WGSL asks for, some machine has it. The adapter says of no format that it can be stored to, so what
+        // it says of formats is not asked for.
+        let needed = DeferredAa::requirements(&adapter, descriptor).features;
+        let own = wgpu::Features::all_experimental_mask() | wgpu::Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES;
+        let features = needed | (adapter.features() - own);
         Self::with(adapter.clone(), features, adapter.limits())
     }
 

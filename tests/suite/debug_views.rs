@@ -11,17 +11,8 @@ use deferred_aa_demo::rays::{bouncing, casting_lights};
 use deferred_aa_demo::scene::{Camera, Instance, LightKind, Material, Scene};
 use std::collections::BTreeSet;
 
-pub const TECHNIQUES: [Technique; 6] = [
-    Technique::Full,
-    Technique::Single,
-    Technique::Windowed,
-    Technique::Reconstructed,
-    Technique::Selective,
-    Technique::MultiResolution,
-];
-
 fn every_technique() -> impl Iterator<Item = Settings> {
-    let plain = TECHNIQUES.map(|technique| Settings { technique, ..Default::default() });
+    let plain = Technique::ALL.map(|technique| Settings { technique, ..Default::default() });
     let multi_resolution = MultiResolution { supersampled: false, ..Default::default() };
     plain.into_iter().chain([Settings {
         technique: Technique::MultiResolution,

@@ -62,8 +62,8 @@ pub enum Row {
 /// A place for each binding in each row. Those of groups 0 to 2 have the same place in all shaders, those of group 3 lie behind them.
 #[derive(Debug)]
 pub struct Slots {
-    common: BTreeMap<(Row, ResourceBinding), u8>,
-    counts: BTreeMap<Row, u8>,
+    common: BTreeMap<(Row, ResourceBinding), u32>,
+    counts: BTreeMap<Row, u32>,
 }
 
 /// The group of a pass's own.
@@ -74,7 +74,7 @@ impl Slots {
         let found: BTreeSet<_> = modules.flat_map(|module| placed(module).filter(|(_, at)| at.group != OWN)).collect();
         let (mut common, mut counts) = (BTreeMap::new(), BTreeMap::new());
         for key in found {
-            let next: &mut u8 = counts.entry(key.0).or_default();
+            let next: &mut u32 = counts.entry(key.0).or_default();
             common.insert(key, *next);
             *next += 1;
         }
@@ -82,7 +82,7 @@ impl Slots {
     }
 
     /// The places of what this module binds.
-    pub fn of(&self, module: &Module) -> BTreeMap<(Row, ResourceBinding), u8> {
+    pub fn of(&self, module: &Module) -> BTreeMap<(Row, ResourceBinding), u32> {
         let mut counts = self.counts.clone();
         let mut own: Vec<_> = placed(module).collect();
         own.sort_unstable();

@@ -57,8 +57,16 @@ pub enum ShadersError {
     /// Such a frame can't be.
     #[error(transparent)]
     Record(#[from] RecordError),
+    /// A constant of the host's has no value, or the like.
+    #[error("{shader}: {message}")]
+    Shader {
+        /// The entry point.
+        shader: String,
+        /// What naga said.
+        message: String,
+    },
     /// A language has no words for something.
-    #[error("{shader}: {lang} can't say this: {message}{}", lang.cure())]
+    #[error("{shader}: {lang} can't say this: {message}{}", cure(.message))]
     Language {
         /// The entry point.
         shader: String,
@@ -161,7 +169,7 @@ fn pack() -> Shader {
 }
 
 fn resolve(lang: Lang, shader: &Shader, variants: usize) -> Result<Resolved<'_>, ShadersError> {
-    let failed = |e: &dyn std::error::Error| language(lang, shader, causes(e));
+    let failed = |e: &dyn std::error::Error| ShadersError::Shader { shader: shader.entry.clone(), message: causes(e) };
     let module = naga::front::wgsl::parse_str(&shader.source).map_err(|e| failed(&e))?;
     let validator = |capabilities| Validator::new(ValidationFlags::all(), capabilities);
     let info = validator(Capabilities::all()).validate(&module).map_err(|e| failed(e.as_inner()))?;
@@ -171,7 +179,8 @@ fn resolve(lang: Lang, shader: &Shader, variants: usize) -> Result<Resolved<'_>,
     let mut module = resolved.map_err(|e| failed(&e))?.0.into_owned();
     // It leaves the overrides behind, though nothing asks for them any more.
     naga::compact::compact(&mut module, naga::compact::KeepUnused::No);
-    let info = validator(lang.capabilities()).validate(&module).map_err(|e| failed(e.as_inner()))?;
+    let info =
+        validator(lang.capabilities()).validate(&module).map_err(|e| language(lang, shader, causes(e.as_inner())))?;
     let variant = if variants == 0 { String::new() } else { format!("_{}", variants + 1) };
     let file = format!("{}{variant}.{}", shader.entry, lang.extension());
     Ok(Resolved { shader, module, info, file })
@@ -179,6 +188,15 @@ fn resolve(lang: Lang, shader: &Shader, variants: usize) -> Result<Resolved<'_>,
 
 fn language(lang: Lang, shader: &Shader, message: String) -> ShadersError {
     ShadersError::Language { shader: shader.entry.clone(), lang, message }
+}
+
+/// What helps where a tier asks for what a language lacks.
+fn cure(message: &str) -> &'static str {
+    match message {
+        m if m.contains("RAY_QUERY") => "; use --rays software",
+        m if m.contains("BINDING_ARRAY") => "; use --textures arrays",
+        _ => "",
+    }
 }
 
 /// An error and what is behind it, in one line.

@@ -8,15 +8,6 @@ use std::process::Command;
 
 const LANGS: [Lang; 5] = [Lang::Hlsl, Lang::Msl, Lang::Spirv, Lang::Glsl, Lang::Wgsl];
 
-const TECHNIQUES: [Technique; 6] = [
-    Technique::Full,
-    Technique::Single,
-    Technique::Windowed,
-    Technique::Reconstructed,
-    Technique::Selective,
-    Technique::MultiResolution,
-];
-
 fn demo<'a>(lang: Lang, settings: &'a Settings, textures: TextureTier, rays: RayTier) -> Request<'a> {
     let shading = Shading { source: SHADING_WGSL, file: "demo/src/shading.wgsl" };
     Request { lang, m: 3, settings, textures, rays, shading }
@@ -27,7 +18,7 @@ fn frames() -> Vec<Settings> {
     let mut frames = Vec::new();
     for effect in [Effect::Off, Effect::On] {
         let with = Settings { shadows: effect, reflections: effect, ..Settings::default() };
-        frames.extend(TECHNIQUES.map(|technique| Settings { technique, ..with }));
+        frames.extend(Technique::ALL.map(|technique| Settings { technique, ..with }));
     }
     frames.extend(Execution::ALL.map(|execution| Settings { execution, ..Settings::default() }));
     frames
@@ -192,7 +183,14 @@ fn what_a_language_lacks_is_named() {
     let settings = Settings { shadows: Effect::On, ..Settings::default() };
     let e = export(&demo(Lang::Glsl, &settings, TextureTier::Arrays, RayTier::Query)).unwrap_err().to_string();
     assert!(e.starts_with("daa_trace_main: GLSL can't say this: ") && e.contains("RAY_QUERY"), "{e}");
-    assert!(e.ends_with("; use --rays software and --textures arrays"), "{e}");
+    assert!(e.ends_with("; use --rays software"), "{e}");
+    let e = export(&demo(Lang::Glsl, &Settings::default(), TextureTier::Bindings, RayTier::Software)).unwrap_err();
+    assert!(e.to_string().ends_with("; use --textures arrays"), "{e}");
+    let shading =
+        Shading { source: "override K: f32;\nfn shade(s: DaaSample) -> vec4f { return vec4f(K); }", file: "k" };
+    let request = Request { shading, ..demo(Lang::Hlsl, &settings, TextureTier::None, RayTier::Software) };
+    let e = export(&request).unwrap_err().to_string();
+    assert!(e.starts_with("daa_first_main: ") && e.contains("'K'") && !e.contains("HLSL"), "{e}");
     for lang in [Lang::Hlsl, Lang::Msl, Lang::Spirv] {
         export(&demo(lang, &settings, TextureTier::Bindings, RayTier::Query)).unwrap();
     }
@@ -234,6 +232,18 @@ fn a_hosts_own_shading_is_joined() {
         assert_eq!(own, all, "{lang}");
         assert_eq!(table.structs["Sun"].members[1].offset, 16);
     }
+    // Metal has a slot for the sizes of buffers behind thirty.
+    let declared = |i| format!("@group(2) @binding({i}) var<storage, read> b{i}: array<f32>;\n");
+    let read: Vec<_> = (0..28).map(|i| format!("b{i}[0]")).collect();
+    let source = (0..28).map(declared).collect::<String>()
+        + &format!("fn shade(s: DaaSample) -> vec4f {{ return vec4f({}); }}", read.join(" + "));
+    let many = |lang| {
+        let shading = Shading { source: &source, file: "many.wgsl" };
+        export(&Request { shading, ..demo(lang, &settings, TextureTier::None, RayTier::Software) })
+    };
+    many(Lang::Hlsl).unwrap();
+    let e = many(Lang::Msl).unwrap_err().to_string();
+    assert!(e.contains("Buffers are bound by all shaders together, there is room for 30"), "{e}");
     let shading = Shading { source: "fn shade(s: DaaSample) -> vec4f {\n    return nothing;\n}", file: "own.wgsl" };
     let request = Request { shading, ..demo(Lang::Hlsl, &settings, TextureTier::None, RayTier::Software) };
     let e = export(&request).unwrap_err().to_string();

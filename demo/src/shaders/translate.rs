@@ -6,6 +6,7 @@ use naga::back::{glsl, hlsl, msl, spv, wgsl};
 use naga::proc::{BoundsCheckPolicies, BoundsCheckPolicy};
 use naga::valid::Capabilities;
 use naga::{AddressSpace, GlobalVariable, Module, ResourceBinding};
+use std::collections::BTreeMap;
 
 /// A shading language.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -72,15 +73,6 @@ impl Lang {
         }
     }
 
-    /// What helps where it lacks something.
-    pub fn cure(self) -> &'static str {
-        match self {
-            Self::Glsl => "; use --rays software and --textures arrays",
-            Self::Wgsl => "; use --rays software",
-            Self::Hlsl | Self::Msl | Self::Spirv => "",
-        }
-    }
-
     /// What a reader of the table must know beside it.
     pub fn notes(self) -> String {
         match self {
@@ -142,7 +134,7 @@ pub fn translate(lang: Lang, one: &Resolved<'_>, slots: &Slots) -> Result<(Vec<u
         Lang::Spirv => spirv(one).map_err(|e| causes(&e)),
         Lang::Hlsl => hlsl(one),
         Lang::Msl => msl(one, slots),
-        Lang::Glsl => glsl(one, slots).map_err(|e| causes(&e)),
+        Lang::Glsl => glsl(one, slots),
     }
 }
 
@@ -212,10 +204,11 @@ fn hlsl(one: &Resolved<'_>) -> Result<(Vec<u8>, String), String> {
 
 fn msl(one: &Resolved<'_>, slots: &Slots) -> Result<(Vec<u8>, String), String> {
     let places = slots.of(&one.module);
+    fit(&places, &[(Row::Buffers, u32::from(SIZES_SLOT)), (Row::Textures, 128), (Row::Samplers, 16)])?;
     let target = |(variable, at): (&GlobalVariable, ResourceBinding)| {
         let kind = Kind::of(&one.module, variable);
         let row = metal(&one.module, variable, kind);
-        let slot = places.get(&(row, at)).copied();
+        let slot = places.get(&(row, at)).copied().map(|slot| slot as u8);
         let target = msl::BindTarget {
             buffer: slot.filter(|_| row == Row::Buffers),
             texture: slot.filter(|_| row == Row::Textures),
@@ -246,13 +239,14 @@ fn msl(one: &Resolved<'_>, slots: &Slots) -> Result<(Vec<u8>, String), String> {
     Ok((text.into_bytes(), first_name(names.entry_point_names)?))
 }
 
-fn glsl(one: &Resolved<'_>, slots: &Slots) -> Result<(Vec<u8>, String), glsl::Error> {
+fn glsl(one: &Resolved<'_>, slots: &Slots) -> Result<(Vec<u8>, String), String> {
     let places = slots.of(&one.module);
+    fit(&places, &[Row::UniformBlocks, Row::StorageBlocks, Row::Units, Row::Images].map(|row| (row, 256)))?;
     let options = glsl::Options {
         version: glsl::Version::Desktop(460),
         writer_flags: glsl::WriterFlags::empty(),
         binding_map: bound(&one.module)
-            .filter_map(|(variable, at)| Some((at, *places.get(&(gl(Kind::of(&one.module, variable))?, at))?)))
+            .filter_map(|(variable, at)| Some((at, *places.get(&(gl(Kind::of(&one.module, variable))?, at))? as u8)))
             .collect(),
         zero_initialize_workgroup_memory: one.shader.zero_initialize_workgroup_memory,
     };
@@ -262,8 +256,20 @@ fn glsl(one: &Resolved<'_>, slots: &Slots) -> Result<(Vec<u8>, String), glsl::Er
         multiview: None,
     };
     let mut text = String::new();
-    glsl::Writer::new(&mut text, &one.module, &one.info, &options, &entry, CHECKED)?.write()?;
+    let writer = glsl::Writer::new(&mut text, &one.module, &one.info, &options, &entry, CHECKED);
+    writer.and_then(|mut writer| writer.write()).map_err(|e| causes(&e))?;
     Ok((text.into_bytes(), "main".to_owned()))
+}
+
+/// Whether no row has more than there is room for.
+fn fit(places: &BTreeMap<(Row, ResourceBinding), u32>, rooms: &[(Row, u32)]) -> Result<(), String> {
+    for &(row, room) in rooms {
+        let needed = places.iter().filter(|((of, _), _)| *of == row).map(|(_, &slot)| slot + 1).max().unwrap_or(0);
+        if needed > room {
+            return Err(format!("{needed} {row:?} are bound by all shaders together, there is room for {room}"));
+        }
+    }
+    Ok(())
 }
 
 /// A module of one entry point has one name.

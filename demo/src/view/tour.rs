@@ -7,15 +7,6 @@ use super::worker::Reference;
 use deferred_aa::{Settings, Technique};
 use serde_json::{Value, json};
 
-const TECHNIQUES: [Technique; 6] = [
-    Technique::Full,
-    Technique::Single,
-    Technique::Windowed,
-    Technique::Reconstructed,
-    Technique::Selective,
-    Technique::MultiResolution,
-];
-
 /// One after the other.
 #[derive(Debug)]
 pub struct Tour {
@@ -35,7 +26,7 @@ impl Tour {
     /// At its beginning.
     pub fn new() -> Self {
         let mut steps = Vec::new();
-        for technique in TECHNIQUES {
+        for technique in Technique::ALL {
             let base = Settings { technique, ..Side::defaults() };
             steps.push((base, format!("{technique:?}")));
             for control in controls::all().iter().filter(|c| c.path != "technique") {
