@@ -1,4 +1,5 @@
 use super::bindings::Kind;
+use super::table::Binding;
 use super::*;
 use crate::host::SHADING_WGSL;
 use deferred_aa::{Effect, Execution, Technique};
@@ -112,16 +113,25 @@ fn wgsl_is_what_it_was_made_from() {
     }
 }
 
-/// How a file declares what the table has at a place.
-fn declared(lang: Lang, place: &str) -> String {
-    match lang {
-        Lang::Hlsl if place.starts_with("naga") => place.split('[').next().unwrap().to_owned(),
+/// Whether a file has this binding where the table says.
+fn has(text: &str, lang: Lang, b: &Binding) -> bool {
+    let on_a_line = |place: &str| text.lines().any(|line| line.contains(place) && line.contains(&b.name));
+    match (lang, b.kind) {
+        (Lang::Hlsl, Kind::Sampler) => text.contains(b.place.split('[').next().unwrap()),
         // The first space goes without saying.
-        Lang::Hlsl => format!("register({})", place.trim_end_matches(", space0")),
-        Lang::Msl => format!("[[{place}]]"),
-        Lang::Glsl => format!("binding = {}", place.rsplit(' ').next().unwrap()),
-        Lang::Wgsl => place.to_owned(),
-        Lang::Spirv => String::new(),
+        (Lang::Hlsl, _) => on_a_line(&format!("register({})", b.place.trim_end_matches(", space0"))),
+        (Lang::Msl, _) => on_a_line(&format!("[[{}]]", b.place)),
+        (Lang::Wgsl, _) => text.contains(&b.place),
+        (Lang::Glsl, Kind::Sampler) => true,
+        (Lang::Glsl, _) => {
+            let name = format!("_group_{}_binding_{}_", b.group, b.binding);
+            // A block's members lie between.
+            let named = |rest: &str| rest.find("_group_").is_some_and(|at| rest[at..].starts_with(&name));
+            let numbered = |place: &str| text.split(place).skip(1).any(named);
+            let number = b.place.rsplit(' ').next().unwrap();
+            numbered(&format!("binding = {number})")) || numbered(&format!("binding = {number},"))
+        }
+        (Lang::Spirv, _) => unreachable!("no text"),
     }
 }
 
@@ -138,9 +148,7 @@ fn the_table_is_true_of_the_files() {
                 assert!(text.contains(&format!("{}(", shader.entry)), "{}: {}", shader.file, shader.entry);
                 let mut places = Vec::new();
                 for b in &shader.bindings {
-                    let place = declared(lang, &b.place);
-                    let told = lang == Lang::Glsl && b.kind == Kind::Sampler || text.contains(&place);
-                    assert!(told, "{}: {} is not at {place}", shader.file, b.name);
+                    assert!(has(text, lang, b), "{}: {} is not at {}", shader.file, b.name, b.place);
                     places.push(&b.place);
                     if b.group < 3 {
                         let first = common.entry((b.group, b.binding)).or_insert(&b.place);
@@ -174,8 +182,26 @@ fn m_is_a_constant_in_them() {
         let request = Request { m, ..demo(Lang::Msl, &settings, TextureTier::Arrays, RayTier::Software) };
         export(&request).unwrap().files.into_iter().find(|(name, _)| name == "daa_metrics_main.metal").unwrap().1
     };
-    assert!(written(2) != written(4));
+    assert_ne!(written(2), written(4));
     assert!(String::from_utf8(written(4)).unwrap().contains("DAA_M = 4u"));
+}
+
+/// What only the pipelines of wgpu say otherwise.
+#[test]
+fn the_variants_are_those_of_the_frame() {
+    let exported = |settings: &Settings, name: &str| {
+        let files = export(&demo(Lang::Msl, settings, TextureTier::Arrays, RayTier::Software)).unwrap().files;
+        String::from_utf8(files.into_iter().find(|(file, _)| file == name).unwrap().1).unwrap()
+    };
+    let bounces = Settings { shadows: Effect::On, reflections: Effect::On, ..Settings::default() };
+    assert!(exported(&bounces, "daa_classify_main.metal").contains("DAA_BOUNCES = true"));
+    let shadows = Settings { shadows: Effect::On, ..Settings::default() };
+    assert!(exported(&shadows, "daa_classify_main.metal").contains("DAA_BOUNCES = false"));
+    // A workgroup's memory is cleared but in what shades, which writes all that it reads of it.
+    let tiled = Settings { execution: Execution::Tiled, ..Settings::default() };
+    let shades = exported(&tiled, "daa_shade_tiled.metal");
+    assert!(shades.contains("daa_sums") && !shades.contains("daa_sums = {}"));
+    assert!(exported(&bounces, "daa_list_scan.metal").contains("daa_parts = {}"));
 }
 
 #[test]
