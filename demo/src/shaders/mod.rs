@@ -66,13 +66,13 @@ pub enum ShadersError {
         message: String,
     },
     /// A language has no words for something.
-    #[error("{shader}: {lang} can't say this: {message}{}", cure(.message))]
+    #[error("{shader}: {lang} can't say this: {message}")]
     Language {
         /// The entry point.
         shader: String,
         /// Which.
         lang: Lang,
-        /// What naga said.
+        /// What naga said, and what helps.
         message: String,
     },
 }
@@ -117,7 +117,7 @@ pub fn export(request: &Request<'_>) -> Result<Export, ShadersError> {
                 Some(index) => index,
                 None => {
                     let variants = resolved.iter().filter(|r| r.shader.entry == shader.entry).count();
-                    resolved.push(resolve(request.lang, shader, variants)?);
+                    resolved.push(resolve(request, shader, variants)?);
                     resolved.len() - 1
                 }
             };
@@ -131,7 +131,7 @@ pub fn export(request: &Request<'_>) -> Result<Export, ShadersError> {
     let mut entries = Vec::new();
     for one in &resolved {
         let (bytes, entry) = translate::translate(request.lang, one, &slots)
-            .map_err(|message| language(request.lang, one.shader, message))?;
+            .map_err(|message| language(request, one.shader, message))?;
         files.push((one.file.clone(), bytes));
         entries.push(entry);
     }
@@ -168,7 +168,7 @@ fn pack() -> Shader {
     }
 }
 
-fn resolve(lang: Lang, shader: &Shader, variants: usize) -> Result<Resolved<'_>, ShadersError> {
+fn resolve<'a>(request: &Request<'_>, shader: &'a Shader, variants: usize) -> Result<Resolved<'a>, ShadersError> {
     let failed = |e: &dyn std::error::Error| ShadersError::Shader { shader: shader.entry.clone(), message: causes(e) };
     let module = naga::front::wgsl::parse_str(&shader.source).map_err(|e| failed(&e))?;
     let validator = |capabilities| Validator::new(ValidationFlags::all(), capabilities);
@@ -179,24 +179,22 @@ fn resolve(lang: Lang, shader: &Shader, variants: usize) -> Result<Resolved<'_>,
     let mut module = resolved.map_err(|e| failed(&e))?.0.into_owned();
     // It leaves the overrides behind, though nothing asks for them any more.
     naga::compact::compact(&mut module, naga::compact::KeepUnused::No);
-    let info =
-        validator(lang.capabilities()).validate(&module).map_err(|e| language(lang, shader, causes(e.as_inner())))?;
+    let info = validator(request.lang.capabilities())
+        .validate(&module)
+        .map_err(|e| language(request, shader, causes(e.as_inner())))?;
     let variant = if variants == 0 { String::new() } else { format!("_{}", variants + 1) };
-    let file = format!("{}{variant}.{}", shader.entry, lang.extension());
+    let file = format!("{}{variant}.{}", shader.entry, request.lang.extension());
     Ok(Resolved { shader, module, info, file })
 }
 
-fn language(lang: Lang, shader: &Shader, message: String) -> ShadersError {
-    ShadersError::Language { shader: shader.entry.clone(), lang, message }
-}
-
-/// What helps where a tier asks for what a language lacks.
-fn cure(message: &str) -> &'static str {
-    match message {
-        m if m.contains("RAY_QUERY") => "; use --rays software",
-        m if m.contains("BINDING_ARRAY") => "; use --textures arrays",
+/// What a language lacks, and what helps if it is a tier that asks for it.
+fn language(request: &Request<'_>, shader: &Shader, said: String) -> ShadersError {
+    let cure = match said.as_str() {
+        m if m.contains("RAY_QUERY") && request.rays == RayTier::Query => "; use --rays software",
+        m if m.contains("BINDING_ARRAY") && request.textures == TextureTier::Bindings => "; use --textures arrays",
         _ => "",
-    }
+    };
+    ShadersError::Language { shader: shader.entry.clone(), lang: request.lang, message: said + cure }
 }
 
 /// An error and what is behind it, in one line.

@@ -64,7 +64,8 @@ impl Lang {
     /// What it can say.
     pub fn capabilities(self) -> Capabilities {
         match self {
-            Self::Hlsl => hlsl::supported_capabilities(),
+            // An external texture is several there, the table has one place for it.
+            Self::Hlsl => hlsl::supported_capabilities() - Capabilities::TEXTURE_EXTERNAL,
             Self::Msl => msl::supported_capabilities(),
             Self::Spirv => spv::supported_capabilities(),
             Self::Glsl => glsl::supported_capabilities(),
