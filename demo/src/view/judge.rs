@@ -49,6 +49,7 @@ impl Judge {
         let shared = Arc::new((Mutex::new(Waiting::default()), Condvar::new()));
         let own = shared.clone();
         let thread = std::thread::Builder::new().name("judge".to_owned()).spawn(move || {
+            super::step_back();
             while let Some(case) = next(&own) {
                 let _ = verdicts.send(judge(case));
                 wake();

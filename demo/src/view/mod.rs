@@ -22,3 +22,10 @@ pub use app::Start;
 pub use kept::{Kept, path as kept_path};
 pub use window::{ViewError, run};
 pub use worker::Source;
+
+/// Puts this thread, and those that it starts, behind the window's: a driver that renders on the processor would keep it waiting.
+fn step_back() {
+    // Linux counts it by thread. It may be refused, and only delays.
+    #[cfg(target_os = "linux")]
+    let _ = rustix::process::setpriority_process(None, 10);
+}

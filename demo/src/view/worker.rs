@@ -236,6 +236,7 @@ impl Worker {
         let shared = Arc::new(Shared { wanted: Mutex::new(wanted), changed: Condvar::new() });
         let own = shared.clone();
         let thread = std::thread::Builder::new().name("renderer".to_owned()).spawn(move || {
+            super::step_back();
             let say = move |event| {
                 // The window may be gone.
                 let _ = events.send(event);
