@@ -286,7 +286,11 @@ fn slider(ui: &mut Ui, control: &Control, range: Range, now: &Value, new: &mut O
             *new = Some(if whole { json!(value.round() as i64) } else { shortest(value as f32) });
             return value;
         }
-        now.as_f64().map_or(0.0, |v| if whole { v } else { shortest(v as f32).as_f64().unwrap_or(v) })
+        // What was just set, or the handle would follow a frame behind.
+        new.as_ref()
+            .unwrap_or(now)
+            .as_f64()
+            .map_or(0.0, |v| if whole { v } else { shortest(v as f32).as_f64().unwrap_or(v) })
     };
     let mut slider = Slider::from_get_set(range.least..=range.most, get_set)
         .text(&control.label)

@@ -5,7 +5,7 @@ use super::tour::Tour;
 use egui::epaint::textures::TexturesDelta;
 use egui::{Context, ViewportId};
 use egui_wgpu::winit::Painter;
-use egui_wgpu::{RendererOptions, WgpuConfiguration, WgpuSetup};
+use egui_wgpu::{RendererOptions, SurfaceConfig, WgpuConfiguration, WgpuSetup};
 use std::num::NonZeroU32;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -107,6 +107,7 @@ impl Shell {
         let window = Arc::new(window);
         let configuration = WgpuConfiguration {
             wgpu_setup: WgpuSetup::from_display_handle(self.display.clone()),
+            surface: SurfaceConfig::LOW_LATENCY,
             ..WgpuConfiguration::default()
         };
         let painter = Painter::new(self.ctx.clone(), configuration, false, RendererOptions::default());
