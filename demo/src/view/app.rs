@@ -199,6 +199,7 @@ impl App {
     /// A frame of the window.
     pub fn ui(&mut self, ui: &mut Ui) {
         self.receive(ui.ctx());
+        self.watch_report(ui.ctx());
         self.keys(ui);
         egui::Panel::top("bar").show(ui, |ui| self.bar(ui));
         egui::Panel::bottom("log").show(ui, |ui| self.log(ui));
@@ -213,7 +214,6 @@ impl App {
         egui::CentralPanel::default().show(ui, |ui| self.picture(ui));
         self.dialogs(ui);
         self.sync();
-        self.watch_report(ui.ctx());
     }
 
     /// A line for the log.

@@ -124,6 +124,8 @@ mod tests {
         events: Vec<Event>,
         dropped: Vec<DroppedFileHandle>,
         screen: egui::Vec2,
+        /// What the last frame painted.
+        shapes: Vec<egui::epaint::ClippedShape>,
     }
 
     #[derive(Debug)]
@@ -158,7 +160,14 @@ mod tests {
             let source = Source { name: scene.to_owned(), index: None };
             let start = Start { source, camera: None, options, adapter: None, kept, kept_at, fill: false };
             let app = App::new(&ctx, start).unwrap();
-            Self { ctx, app, events: Vec::new(), dropped: Vec::new(), screen: egui::vec2(1280.0, 800.0) }
+            Self {
+                ctx,
+                app,
+                events: Vec::new(),
+                dropped: Vec::new(),
+                screen: egui::vec2(1280.0, 800.0),
+                shapes: Vec::new(),
+            }
         }
 
         fn frame(&mut self) {
@@ -174,6 +183,19 @@ mod tests {
             let mut output = ctx.run_ui(input, |ui| app.ui(ui));
             // Nobody paints them.
             output.textures_delta.clear();
+            self.shapes = output.shapes;
+        }
+
+        /// Whether this text is on the screen.
+        fn reads(&self, text: &str) -> bool {
+            fn has(shape: &egui::Shape, text: &str) -> bool {
+                match shape {
+                    egui::Shape::Text(shape) => shape.galley.text().contains(text),
+                    egui::Shape::Vec(shapes) => shapes.iter().any(|shape| has(shape, text)),
+                    _ => false,
+                }
+            }
+            self.shapes.iter().any(|clipped| has(&clipped.shape, text))
         }
 
         /// Frames until it is so, at most a minute of them.
@@ -500,8 +522,10 @@ mod tests {
         // This process is no viewer, and says so.
         rig.app.begin_report(&folder);
         rig.until("the trouble", |app| app.dialog.is_some());
-        let shown = rig.app.messages.last().unwrap();
-        assert!(shown.contains("the report ended with") && shown.contains("quick"), "{shown}");
+        let said = rig.app.messages.last().unwrap();
+        assert!(said.contains("the report ended with") && said.contains("quick"), "{said}");
+        // In the same frame: no other may come before the next input.
+        assert!(rig.reads("the report ended with"));
     }
 
     #[test]
