@@ -27,6 +27,13 @@ const FRAMES: u32 = 5;
 /// Most lines of the log.
 const MOST_MESSAGES: usize = 200;
 
+/// How far an arrow key moves the picture, in points.
+const PAN: f32 = 40.0;
+
+/// Of the zoom's buttons.
+const ZOOM: &str = "Pixels of the screen for one of the picture. One that is larger than its place is moved by the arrow keys, or \
+                    dragged with the right button.";
+
 /// With what it starts.
 #[derive(Debug, Clone)]
 pub struct Start {
@@ -121,6 +128,8 @@ pub struct App {
     pub magnify: bool,
     /// Pixels of the screen for one of the picture; it fits its place if not given.
     pub scale: Option<f32>,
+    /// How far its centre lies from that of its place, in points, where it is larger.
+    pub pan: egui::Vec2,
     /// What is asked for in a window of its own.
     pub dialog: Option<Dialog>,
     report: Option<Report>,
@@ -186,6 +195,7 @@ impl App {
             show_error: false,
             magnify: false,
             scale: None,
+            pan: egui::Vec2::ZERO,
             dialog: None,
             report: None,
             failed: None,
@@ -465,6 +475,16 @@ impl App {
                 self.kept.divider = (self.kept.divider + by).clamp(0.0, 1.0);
             }
         }
+        for (key, by) in [
+            (Key::ArrowLeft, egui::vec2(PAN, 0.0)),
+            (Key::ArrowRight, egui::vec2(-PAN, 0.0)),
+            (Key::ArrowUp, egui::vec2(0.0, PAN)),
+            (Key::ArrowDown, egui::vec2(0.0, -PAN)),
+        ] {
+            if pressed(Modifiers::NONE, key) {
+                self.pan += by;
+            }
+        }
         let switches = [
             (Key::F, &mut self.frozen),
             (Key::Z, &mut self.magnify),
@@ -553,7 +573,7 @@ impl App {
             ui.separator();
             for (scale, name) in [(None, "fit"), (Some(1.0), "1:1"), (Some(2.0), "2:1"), (Some(4.0), "4:1")] {
                 let label = ui.selectable_label(self.scale == scale, name);
-                if label.on_hover_text("Pixels of the screen for one of the picture").clicked() {
+                if label.on_hover_text(ZOOM).clicked() {
                     self.scale = scale;
                 }
             }

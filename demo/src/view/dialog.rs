@@ -87,7 +87,7 @@ pub fn report() -> Dialog {
 }
 
 /// What keys do.
-const KEYS: [(&str, &str); 19] = [
+const KEYS: [(&str, &str); 20] = [
     ("W A S D, Q E", "fly; with Shift faster"),
     ("drag on the picture", "look around"),
     ("wheel", "fly ahead and back; with Ctrl narrow or widen the view"),
@@ -96,6 +96,7 @@ const KEYS: [(&str, &str); 19] = [
     ("Space", "flip between the sides"),
     ("B", "both sides with a divider, or one"),
     ("[ ]", "move the divider"),
+    ("arrows, drag with the right button", "move a picture that is larger than its place"),
     ("Z", "magnifier"),
     ("X", "where the picture is wrong"),
     ("P", "without the panels, or with them"),

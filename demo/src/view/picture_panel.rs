@@ -7,8 +7,8 @@ use super::worker::{Rendered, casts};
 use crate::host::Sent;
 use deferred_aa::{Settings, Technique, window};
 use egui::{
-    Align2, Color32, CursorIcon, FontId, Galley, Painter, Pos2, Rect, Response, Sense, Stroke, TextureId, Ui, pos2,
-    vec2,
+    Align2, Color32, CursorIcon, FontId, Galley, Painter, PointerButton, Pos2, Rect, Response, Sense, Stroke,
+    TextureId, Ui, pos2, vec2,
 };
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
@@ -41,7 +41,13 @@ impl App {
         };
         let fit = (area.width() * pixels / size.x).min(area.height() * pixels / size.y);
         let scale = self.scale.unwrap_or(fit) / pixels;
-        let rect = Rect::from_center_size(area.center(), vec2(size.x * scale, size.y * scale));
+        let full = vec2(size.x * scale, size.y * scale);
+        if [PointerButton::Secondary, PointerButton::Middle].iter().any(|&button| response.dragged_by(button)) {
+            self.pan += response.drag_delta();
+        }
+        let spare = ((full - area.size()) / 2.0).max(egui::Vec2::ZERO);
+        self.pan = self.pan.clamp(-spare, spare);
+        let rect = Rect::from_center_size(area.center() + self.pan, full);
         let divider = self.divider(ui, rect);
         self.draw(&painter, rect, divider);
         self.captions(&painter, area, rect, divider);
@@ -140,7 +146,7 @@ impl App {
 
     fn steer(&mut self, ui: &Ui, response: &Response, area: Rect) {
         let (Some(camera), Some(opened), false) = (self.camera, &self.opened, self.frozen) else { return };
-        if response.dragged() {
+        if response.dragged_by(PointerButton::Primary) {
             let drag = response.drag_delta() / area.height().max(1.0);
             self.camera = Some(fly::turned(camera, Vec2::new(drag.x, drag.y)));
         }
@@ -171,7 +177,7 @@ impl App {
             None => usize::from(!self.shows(0)),
         };
         if self.magnify {
-            self.magnifier(&painter, size, pixel, pointer);
+            self.magnifier(&painter, ui.ctx().content_rect(), size, pixel, pointer);
         }
         let own = &self.sides[side];
         if let Some(rendered) = own.rendered.as_deref().filter(|r| r.picture.width as f32 == size.x) {
@@ -180,14 +186,18 @@ impl App {
         }
     }
 
-    /// The sides that are shown, pixel by pixel, around the pointer.
-    fn magnifier(&self, painter: &Painter, size: egui::Vec2, pixel: [u32; 2], pointer: Pos2) {
+    /// The sides that are shown, pixel by pixel, around the pointer; to its right and above it where there is room.
+    fn magnifier(&self, painter: &Painter, clip: Rect, size: egui::Vec2, pixel: [u32; 2], pointer: Pos2) {
         let side_points = MAGNIFIED * MAGNIFIED_POINTS;
         let shown: Vec<_> = (0..2).filter(|&side| self.shows(side)).collect();
+        let step = side_points + 4.0;
+        let width = step * shown.len() as f32;
+        let right = pointer.x + 24.0;
+        let left = if right + width <= clip.right() { right } else { pointer.x - 24.0 - width };
+        let top = (pointer.y - side_points - 24.0).max(clip.top() + 4.0);
         for (i, &side) in shown.iter().enumerate() {
             let Some(texture) = self.texture(side) else { continue };
-            let left = pointer.x + 24.0 + i as f32 * (side_points + 4.0);
-            let rect = Rect::from_min_size(pos2(left, pointer.y - side_points - 24.0), vec2(side_points, side_points));
+            let rect = Rect::from_min_size(pos2(left + i as f32 * step, top), vec2(side_points, side_points));
             let half = (MAGNIFIED - 1.0) / 2.0;
             let corner = pos2((pixel[0] as f32 - half) / size.x, (pixel[1] as f32 - half) / size.y);
             let uv = Rect::from_min_size(corner, vec2(MAGNIFIED / size.x, MAGNIFIED / size.y));

@@ -284,6 +284,32 @@ mod tests {
         rig.key(egui::Key::W, Modifiers::NONE);
         rig.key(egui::Key::Home, Modifiers::NONE);
         assert_eq!(rig.app.camera, home);
+        // What is larger than its place is moved, by keys and by the right button, up to its rim; the camera stays.
+        rig.key(egui::Key::ArrowLeft, Modifiers::NONE);
+        rig.frame();
+        assert_eq!(rig.app.pan, egui::Vec2::ZERO);
+        rig.app.scale = Some(30.0);
+        rig.key(egui::Key::ArrowLeft, Modifiers::NONE);
+        assert_eq!(rig.app.pan, egui::vec2(40.0, 0.0));
+        let middle = pos2(640.0, 400.0);
+        let button = |pos, pressed| Event::PointerButton {
+            pos,
+            button: PointerButton::Secondary,
+            pressed,
+            modifiers: Modifiers::NONE,
+        };
+        for events in [
+            vec![Event::PointerMoved(middle), button(middle, true)],
+            vec![Event::PointerMoved(middle + egui::vec2(9.0, 5.0))],
+            vec![Event::PointerMoved(middle + egui::vec2(9e3, 5.0))],
+            vec![button(middle, false)],
+        ] {
+            rig.events = events;
+            rig.frame();
+        }
+        let room = (48.0 * 30.0 - rig.app.place[0] as f32) / 2.0;
+        assert_eq!((rig.app.pan, rig.app.camera), (egui::vec2(room, 5.0), home));
+        rig.app.scale = None;
         // The first text of the bar opens the dialog, Escape closes it.
         rig.click(pos2(30.0, 14.0));
         assert!(rig.app.dialog.is_some());
