@@ -30,6 +30,9 @@ const MOST_MESSAGES: usize = 200;
 /// How far an arrow key moves the picture, in points.
 const PAN: f32 = 40.0;
 
+/// Of an open list, in points: all debug views at once.
+const TALLEST: f32 = 600.0;
+
 /// Of the zoom's buttons.
 const ZOOM: &str = "Pixels of the screen for one of the picture. One that is larger than its place is moved by the arrow keys, or \
                     dragged with the right button.";
@@ -162,6 +165,10 @@ impl App {
         let (say, verdicts) = channel();
         let waker = ctx.clone();
         let judge = Judge::start(say, move || waker.request_repaint())?;
+        ctx.all_styles_mut(|style| {
+            style.spacing.combo_height = TALLEST;
+            style.spacing.default_area_size.y = TALLEST;
+        });
         ctx.set_zoom_factor(kept.zoom);
         if let Some(dark) = kept.dark {
             ctx.set_theme(if dark { egui::Theme::Dark } else { egui::Theme::Light });
@@ -454,7 +461,8 @@ impl App {
         if pressed(Modifiers::NONE, Key::F1) {
             self.dialog = Some(Dialog::Keys);
         }
-        if pressed(Modifiers::NONE, Key::Escape) {
+        // Without a dialog it closes a list.
+        if self.dialog.is_some() && pressed(Modifiers::NONE, Key::Escape) {
             self.dialog = None;
         }
         if self.dialog.is_some() || ctx.egui_wants_keyboard_input() || ctx.memory(|m| m.focused().is_some()) {

@@ -120,6 +120,7 @@ impl Dialog {
             Self::Keys => "Keys".to_owned(),
         };
         let window = egui::Window::new(title).open(&mut open).collapsible(false);
+        let window = if matches!(self, Self::File(_)) { window } else { window.auto_sized() };
         let shown = window.anchor(Align2::CENTER_CENTER, [0.0, 0.0]).show(ctx, |ui| match self {
             Self::File(dialog) => dialog.show(ui),
             Self::Trouble(_, why) => {

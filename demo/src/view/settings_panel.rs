@@ -13,9 +13,6 @@ use egui::{CollapsingHeader, ComboBox, DragValue, ScrollArea, Slider, SliderClam
 use serde_json::{Value, json};
 use std::f32::consts::PI;
 
-/// Of an open list, in points: all debug views at once.
-const TALL: f32 = 600.0;
-
 impl App {
     pub(super) fn settings(&mut self, ui: &mut Ui) {
         ui.horizontal_wrapped(|ui| {
@@ -257,8 +254,7 @@ fn row(
                 }
                 Kind::Choice(choices) => {
                     let chosen = now.as_str().unwrap_or_default();
-                    let combo =
-                        ComboBox::from_label(&control.label).height(TALL).selected_text(chosen.replace('_', " "));
+                    let combo = ComboBox::from_label(&control.label).selected_text(chosen.replace('_', " "));
                     let shown = combo.show_ui(ui, |ui| {
                         for (name, doc) in choices {
                             let label = ui.selectable_label(name == chosen, name.replace('_', " "));

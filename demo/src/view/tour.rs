@@ -186,16 +186,15 @@ mod tests {
             self.shapes = output.shapes;
         }
 
-        /// Whether this text is on the screen.
-        fn reads(&self, text: &str) -> bool {
-            fn has(shape: &egui::Shape, text: &str) -> bool {
-                match shape {
-                    egui::Shape::Text(shape) => shape.galley.text().contains(text),
-                    egui::Shape::Vec(shapes) => shapes.iter().any(|shape| has(shape, text)),
-                    _ => false,
+        /// The texts on the screen and where they are: what is scrolled out of sight is not.
+        fn texts(&self) -> impl Iterator<Item = (&str, Pos2)> {
+            self.shapes.iter().filter_map(|clipped| match &clipped.shape {
+                egui::Shape::Text(shape) => {
+                    let middle = shape.visual_bounding_rect().center();
+                    clipped.clip_rect.contains(middle).then(|| (shape.galley.text(), middle))
                 }
-            }
-            self.shapes.iter().any(|clipped| has(&clipped.shape, text))
+                _ => None,
+            })
         }
 
         /// Frames until it is so, at most a minute of them.
@@ -310,6 +309,16 @@ mod tests {
         let room = (48.0 * 30.0 - rig.app.place[0] as f32) / 2.0;
         assert_eq!((rig.app.pan, rig.app.camera), (egui::vec2(room, 5.0), home));
         rig.app.scale = None;
+        // All debug views are in the list, to the last; Escape closes it.
+        let rays = |rig: &Rig| rig.texts().filter(|(text, _)| *text == "rays").count();
+        let closed = rays(&rig);
+        let list = rig.texts().find(|(text, _)| *text == "image").unwrap().1;
+        rig.click(list);
+        rig.frame();
+        assert_eq!(rays(&rig), closed + 1);
+        rig.key(egui::Key::Escape, Modifiers::NONE);
+        rig.frame();
+        assert_eq!(rays(&rig), closed);
         // The first text of the bar opens the dialog, Escape closes it.
         rig.click(pos2(30.0, 14.0));
         assert!(rig.app.dialog.is_some());
@@ -551,7 +560,7 @@ mod tests {
         let said = rig.app.messages.last().unwrap();
         assert!(said.contains("the report ended with") && said.contains("quick"), "{said}");
         // In the same frame: no other may come before the next input.
-        assert!(rig.reads("the report ended with"));
+        assert!(rig.texts().any(|(text, _)| text.contains("the report ended with")));
     }
 
     #[test]
