@@ -96,7 +96,7 @@ const KEYS: [(&str, &str); 20] = [
     ("Space", "flip between the sides"),
     ("B", "both sides with a divider, or one"),
     ("[ ]", "move the divider"),
-    ("arrows, drag with the right button", "move a picture that is larger than its place"),
+    ("arrows, right drag", "move a picture that is larger than its place"),
     ("Z", "magnifier"),
     ("X", "where the picture is wrong"),
     ("P", "without the panels, or with them"),
@@ -107,7 +107,7 @@ const KEYS: [(&str, &str); 20] = [
     ("Tab, Shift+Tab", "from control to control"),
     ("Left, Right", "move the slider that has the focus"),
     ("Ctrl+plus, Ctrl+minus", "larger and smaller text"),
-    ("Esc", "close a window; leave a control, so that the keys above act"),
+    ("Esc", "close a window or a list; leave a control"),
 ];
 
 impl Dialog {
