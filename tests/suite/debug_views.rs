@@ -13,12 +13,12 @@ use std::collections::BTreeSet;
 
 fn every_technique() -> impl Iterator<Item = Settings> {
     let plain = Technique::ALL.map(|technique| Settings { technique, ..Default::default() });
-    let multi_resolution = MultiResolution { supersampled: false, ..Default::default() };
-    plain.into_iter().chain([Settings {
-        technique: Technique::MultiResolution,
-        multi_resolution,
-        ..Default::default()
-    }])
+    // By points alone; and with points that are other samples than a pixel's first, some of which the plan casts for again.
+    let by_points = MultiResolution { supersampled: false, ..Default::default() };
+    let shifted = MultiResolution { supersampled: true, ..MultiResolution::PAPER };
+    let of =
+        |multi_resolution| Settings { technique: Technique::MultiResolution, multi_resolution, ..Default::default() };
+    plain.into_iter().chain([by_points, shifted].map(of))
 }
 
 /// Black through red and yellow to white.
