@@ -92,8 +92,9 @@ impl Gpu {
         // Whatever the host's WGSL asks for, some machine has it. The adapter says of no format that it can be stored to, so what
         // it says of formats is not asked for.
         let needed = DeferredAa::requirements(&adapter, descriptor).features;
-        let own = wgpu::Features::all_experimental_mask() | wgpu::Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES;
-        let features = needed | (adapter.features() - own);
+        let besides =
+            wgpu::Features::all_experimental_mask() | wgpu::Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES;
+        let features = needed | (adapter.features() - besides);
         Self::with(adapter.clone(), features, adapter.limits())
     }
 

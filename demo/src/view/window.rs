@@ -53,7 +53,12 @@ pub fn run(start: Start, tour: bool) -> Result<(), ViewError> {
 }
 
 fn one_line(e: &dyn std::fmt::Display) -> String {
-    e.to_string().split_whitespace().collect::<Vec<_>>().join(" ")
+    let text = e.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
+    // winit puts the place in its own source before what is wrong.
+    match text.strip_prefix("os error at ").and_then(|text| text.split_once(": ")) {
+        Some((_, wrong)) => wrong.to_owned(),
+        None => text,
+    }
 }
 
 /// Something wants the window drawn, at once or later.
@@ -252,5 +257,17 @@ impl ApplicationHandler<Wake> for Shell {
         if shown.input.on_window_event(&shown.window, &event).repaint {
             shown.window.request_redraw();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_is_one_line_without_the_place_in_a_library() {
+        let wrong = "neither WAYLAND_DISPLAY nor DISPLAY is set";
+        assert_eq!(one_line(&format!("os error at /a/winit/src/mod.rs:765: {wrong}")), wrong);
+        assert_eq!(one_line(&format!("winit:\n  {wrong}")), format!("winit: {wrong}"));
     }
 }
