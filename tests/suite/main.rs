@@ -2,6 +2,7 @@
 //! to complain of.
 
 mod api;
+mod bits;
 mod bounces;
 mod bounces_twin;
 mod checker;
