@@ -37,75 +37,49 @@
 
 #![deny(missing_docs)]
 
-mod audit;
-mod bounce;
-mod check;
-mod classify;
-mod effects;
-mod error;
-mod extra;
-mod first;
-mod frame;
-pub mod gbuffer;
 mod goal;
-mod lattice;
-#[cfg(test)]
-mod layouts;
-mod list;
-mod listed;
-mod loans;
-mod map;
-mod max_filter;
-mod metrics;
+mod gpu;
+mod host;
 mod node;
 mod octahedral;
-mod pipeline;
-mod pixels;
-mod plan;
-mod points;
+mod passes;
 pub mod rays;
-mod reconstruct;
 #[cfg(feature = "reference")]
 pub mod reference;
-mod refine;
-mod requirements;
-mod resolve;
-mod resources;
-mod scratch;
-mod select;
 mod settings;
-mod shade;
-mod shader;
-mod statistics;
-mod table;
-mod trace;
-mod traces;
-mod view;
+mod techniques;
 mod wgsl;
 pub mod window;
 
-pub use check::{InputCounts, InputMistake, InputReport, Normal, NormalCounts};
-pub use effects::{CastingLight, MAX_CASTING_LIGHTS, Needs, ObjectImportance};
-pub use error::{
+pub use goal::{GoalProgress, GoalState};
+pub use gpu::loans::{Lent, Physical};
+pub use gpu::recording::Recording;
+pub use gpu::step::Pass;
+pub use host::check::{InputCounts, InputMistake, InputReport, Normal, NormalCounts};
+pub use host::descriptor::{Descriptor, Shading};
+pub use host::error::{
     BuildError, LendError, PipelineError, RecordError, SettingsError, ShadingError, ShadingErrorKind, SizeError,
     TableError,
 };
-pub use frame::{Camera, Frame};
-pub use gbuffer::GBuffer;
-pub use goal::{GoalProgress, GoalState};
-pub use loans::{Lent, Physical};
-pub use node::{DeferredAa, Descriptor, Intermediates, Pass, Recording, Shading};
-pub use pipeline::{PassInfo, Resource};
-pub use requirements::{Memory, Requirements};
-pub use resources::{Lifetime, Part, PartInfo, PartKind};
+pub use host::frame::{Camera, Frame};
+pub use host::gbuffer::{self, GBuffer};
+pub use host::graph::{
+    Grid, LatticeShape, Lifetime, Part, PartInfo, PartKind, PassInfo, PassKind, Resource, ResourceSet, Rounds, Stage,
+};
+pub use host::intermediates::Intermediates;
+pub use host::needs::{CastingLight, MAX_CASTING_LIGHTS, Needs, ObjectImportance};
+pub use host::plan_word::{Attribute, DecidedBy, PlanWord};
+pub use host::requirements::{Memory, Requirements};
+pub use host::shader::Shader;
+pub use host::statistics::{DecidedCounts, PassTime, PointCounts, QuadrantCounts, Statistics, TileCounts};
+pub use host::table::{
+    BINDING_FEATURES, MAX_CLASSES, MAX_SAMPLERS, TableSampler, TableTexture, TextureTable, TextureTier, classes,
+};
+pub use node::DeferredAa;
+pub use passes::shader_texts;
 pub use settings::{
     ColorReference, DebugView, DepthMeasure, Effect, Enabled, Execution, Goal, Lattice, LuminanceCurve,
     MultiResolution, Pattern, Preset, Reconstructed, Selective, Settings, Technique, Weight, Windowed,
-};
-pub use shader::Shader;
-pub use statistics::{PassTime, Statistics, TileCounts};
-pub use table::{
-    BINDING_FEATURES, MAX_CLASSES, MAX_SAMPLERS, TableSampler, TableTexture, TextureTable, TextureTier, classes,
 };
 pub use {glam, wgpu};
 
@@ -114,7 +88,7 @@ pub const HOST_GROUP: u32 = 2;
 
 /// All WGSL that a host's shading may use but for the texture table's ([`DeferredAa::texture_wgsl`]): joined behind it where it runs. For
 /// tools that parse it by itself.
-pub const CONTRACT_WGSL: &str = include_str!("../shaders/contract.wgsl");
+pub const CONTRACT_WGSL: &str = wgsl::chunk::CONTRACT;
 
 /// Pixels along one side of a tile.
 pub const TILE: u32 = 8;

@@ -1,6 +1,6 @@
 //! What a host may change at any frame.
 
-use crate::error::SettingsError;
+use crate::host::error::SettingsError;
 
 /// Everything that can change between two frames without a rebuild.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -1,6 +1,6 @@
 //! Rust and WGSL hold the same structs.
 
-#[path = "../../src/layouts/compare.rs"]
+#[path = "../../src/gpu/layouts/compare.rs"]
 #[allow(dead_code, reason = "the library's tests use the rest")]
 mod compare;
 

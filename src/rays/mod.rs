@@ -25,7 +25,7 @@ pub use scene::{Instance, MAX_INSTANCES, MeshId, RayScene};
 ///
 /// at any group and binding, bound to [`RayScene::buffers`].
 pub const SOFTWARE_WGSL: &str =
-    concat!(include_str!("../../shaders/rays.wgsl"), "\n", include_str!("../../shaders/rays_software.wgsl"));
+    concat!(include_str!("../../shaders/rays/rays.wgsl"), "\n", include_str!("../../shaders/swap/rays_software.wgsl"));
 
 /// The same functions by the adapter's ray query. The module begins with `enable wgpu_ray_query;`, and declares instead of the
 /// nodes
@@ -36,7 +36,7 @@ pub const SOFTWARE_WGSL: &str =
 ///
 /// bound to [`RayScene::top_level`].
 pub const QUERY_WGSL: &str =
-    concat!(include_str!("../../shaders/rays.wgsl"), "\n", include_str!("../../shaders/rays_query.wgsl"));
+    concat!(include_str!("../../shaders/rays/rays.wgsl"), "\n", include_str!("../../shaders/swap/rays_query.wgsl"));
 
 /// How rays are traced. Both find the same hits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]

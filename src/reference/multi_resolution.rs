@@ -1,7 +1,7 @@
 //! Twin of `shaders/lattice.wgsl`, `residual.wgsl`, `refine.wgsl` and `map.wgsl`.
 
 use super::reconstruct::{Geometry, View, geometry, weight};
-use crate::lattice::{self, Steps, Use};
+use crate::gpu::lattice::{self, LatticeStep, LatticeSteps, LatticeUse};
 use crate::settings::{LuminanceCurve, MultiResolution, Pattern, Reconstructed};
 use glam::DVec3;
 
@@ -56,8 +56,8 @@ pub struct Step {
 
 /// The steps of a frame, from the coarsest.
 pub fn steps(settings: &MultiResolution, size: [u32; 2], rays: bool) -> Vec<Step> {
-    let all = Steps::new(settings, size, u32::from(rays));
-    let of = if rays { Use::Rays } else { Use::Shading };
+    let all = LatticeSteps::new(settings, size, u32::from(rays));
+    let of = if rays { LatticeUse::Rays } else { LatticeUse::Shading };
     let patterns = [Pattern::Quad, Pattern::Triangular, Pattern::Equilateral];
     let lattice = |l: &lattice::LatticeUniform| Lattice {
         pattern: patterns[l.kind as usize],
@@ -66,9 +66,9 @@ pub fn steps(settings: &MultiResolution, size: [u32; 2], rays: bool) -> Vec<Step
         first: l.first,
         place: l.place,
     };
-    lattice::places(settings, of)
-        .map(|place| {
-            let step = all.step(of, place);
+    lattice::levels(settings, of)
+        .map(|level| {
+            let step = all.step(LatticeStep { of, level });
             let parents = (step.coarsest == 0).then(|| lattice(&step.parents));
             Step { points: lattice(&step.points), parents, rays }
         })

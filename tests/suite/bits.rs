@@ -50,8 +50,8 @@ impl Hash {
 /// All that is counted.
 fn counters(s: &Statistics) -> Vec<u64> {
     let mut all = vec![s.shaded];
-    let words = s.histogram_k.iter().chain(&s.decided).chain(&s.quadrants).chain(&s.points);
-    all.extend(words.map(|&word| u64::from(word)));
+    let words = s.histogram_k.iter().copied().chain(s.decided.values()).chain(s.quadrants.values());
+    all.extend(words.chain(s.points.values()).map(u64::from));
     let rays = [s.shadow_rays, s.reflection_rays, s.refraction_rays];
     let samples = [s.not_finite, s.negative, s.overflowed_tiles];
     let tiles = [s.tiles.all, s.tiles.surface, s.tiles.bounce];
@@ -128,7 +128,7 @@ fn lines(name: &str, m: u32, tier: RayTier) -> String {
     };
     for (variant, settings) in variants(m) {
         line(&variant, hashes(&mut host, settings));
-        if host.passes(&settings).iter().any(|pass| pass.info.reads.contains(&deferred_aa::Resource::Rays)) {
+        if host.passes(&settings).iter().any(|pass| pass.info.reads.contains(deferred_aa::Resource::Rays)) {
             let none = Settings { shadows: Effect::Off, reflections: Effect::Off, refraction: Effect::Off, ..settings };
             line(&format!("{variant} without rays"), hashes(&mut host, none));
             line(&format!("{variant}, shadows alone"), hashes(&mut host, Settings { shadows: Effect::Auto, ..none }));

@@ -5,7 +5,7 @@ use crate::shadows::{host, host_on, tiers};
 use deferred_aa::rays::RayTier;
 use deferred_aa::{
     DebugView, DeferredAa, Effect, Execution, Frame, Goal, LendError, Lent, Lifetime, Part, PartInfo, PartKind, Pass,
-    Physical, RecordError, Resource, Settings, Technique, wgpu,
+    Physical, RecordError, Resource, ResourceSet, Settings, Technique, wgpu,
 };
 use deferred_aa_demo::host::Host;
 use deferred_aa_demo::scene::builtin::builtin;
@@ -54,7 +54,7 @@ struct Graph {
 /// Where a resource is alive: indices of passes, and −1 for before the first.
 type Span = [i32; 2];
 
-fn meet(a: &[Resource], b: &[Resource]) -> bool {
+fn meet(a: ResourceSet, b: ResourceSet) -> bool {
     a.iter().any(|r| !r.is_unordered() && b.contains(r))
 }
 
@@ -69,8 +69,8 @@ impl Graph {
         let mut live = wanted.to_vec();
         let mut waiting = Vec::new();
         for pass in all.iter().rev() {
-            if pass.info.writes.iter().any(|r| live.contains(r)) {
-                live.extend(pass.info.reads);
+            if pass.info.writes.iter().any(|r| live.contains(&r)) {
+                live.extend(pass.info.reads.iter());
                 waiting.insert(0, *pass);
             }
         }
@@ -91,7 +91,7 @@ impl Graph {
     }
 
     fn span(&self, part: &PartInfo) -> Span {
-        let uses = |pass: &Pass| pass.info.reads.iter().chain(pass.info.writes).any(|&r| r == part.resource);
+        let uses = |pass: &Pass| pass.info.reads.iter().chain(pass.info.writes.iter()).any(|r| r == part.resource);
         let first = self.passes.iter().position(uses).map_or(0, |i| i as i32);
         let last = self.passes.iter().rposition(uses).map_or(-1, |i| i as i32);
         let cleared = part.lifetime == (Lifetime::Transient { from_begin: true }) && self.flaw != Flaw::LateLives;
@@ -265,7 +265,7 @@ fn record(
     let recording = aa.begin(queue, encoder, frame)?;
     for (at, pass) in (0..).zip(&graph.passes) {
         foreign(encoder, at);
-        recording.record(encoder, *pass);
+        recording.record(encoder, *pass)?;
     }
     foreign(encoder, graph.passes.len() as i32);
     recording.finish(queue, encoder);

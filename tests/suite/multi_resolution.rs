@@ -138,7 +138,7 @@ fn every_point_is_the_twins() {
                         }
                     }
                 }
-                let counted: u64 = output.statistics.points.iter().map(|&p| u64::from(p)).sum();
+                let counted: u64 = output.statistics.points.sum();
                 assert_eq!(counted, sampled, "m = {m} {settings:?}");
                 let pixels = steps(&settings, rig.size, false).last().expect("a step").points;
                 let beyond: u64 = (0..height)

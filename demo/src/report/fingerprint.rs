@@ -8,64 +8,16 @@ use sha2::{Digest as _, Sha256};
 pub struct Fingerprint(Sha256);
 
 /// All shader code that has a part in an image. The library's own too: a result of other code is another result.
-const CODE: [&str; 50] = [
-    crate::host::SHADING_WGSL,
-    include_str!("../raster.wgsl"),
-    include_str!("../../../shaders/audit.wgsl"),
-    include_str!("../../../shaders/bilateral.wgsl"),
-    include_str!("../../../shaders/bounce.wgsl"),
-    include_str!("../../../shaders/casting.wgsl"),
-    include_str!("../../../shaders/check.wgsl"),
-    include_str!("../../../shaders/classify.wgsl"),
-    include_str!("../../../shaders/contract.wgsl"),
-    include_str!("../../../shaders/evaluate.wgsl"),
-    include_str!("../../../shaders/extra.wgsl"),
-    include_str!("../../../shaders/first.wgsl"),
-    include_str!("../../../shaders/lattice.wgsl"),
-    include_str!("../../../shaders/lattice_colors.wgsl"),
-    include_str!("../../../shaders/lattice_rays.wgsl"),
-    include_str!("../../../shaders/list.wgsl"),
-    include_str!("../../../shaders/listed.wgsl"),
-    include_str!("../../../shaders/listing.wgsl"),
-    include_str!("../../../shaders/map.wgsl"),
-    include_str!("../../../shaders/max_filter.wgsl"),
-    include_str!("../../../shaders/mean.wgsl"),
-    include_str!("../../../shaders/metrics.wgsl"),
-    include_str!("../../../shaders/octahedral.wgsl"),
-    include_str!("../../../shaders/pack.wgsl"),
-    include_str!("../../../shaders/plan.wgsl"),
-    include_str!("../../../shaders/points.wgsl"),
-    include_str!("../../../shaders/ranks.wgsl"),
-    include_str!("../../../shaders/rays.wgsl"),
-    include_str!("../../../shaders/rays_query.wgsl"),
-    include_str!("../../../shaders/rays_software.wgsl"),
-    include_str!("../../../shaders/reconstruct.wgsl"),
-    include_str!("../../../shaders/refine.wgsl"),
-    include_str!("../../../shaders/residual.wgsl"),
-    include_str!("../../../shaders/resolve.wgsl"),
-    include_str!("../../../shaders/sample.wgsl"),
-    include_str!("../../../shaders/secondary.wgsl"),
-    include_str!("../../../shaders/secondary_none.wgsl"),
-    include_str!("../../../shaders/select.wgsl"),
-    include_str!("../../../shaders/shade.wgsl"),
-    include_str!("../../../shaders/shadows.wgsl"),
-    include_str!("../../../shaders/shadows_none.wgsl"),
-    include_str!("../../../shaders/shared_exponent.wgsl"),
-    include_str!("../../../shaders/statistics.wgsl"),
-    include_str!("../../../shaders/table_arrays.wgsl"),
-    include_str!("../../../shaders/table_bindings.wgsl"),
-    include_str!("../../../shaders/table_none.wgsl"),
-    include_str!("../../../shaders/trace.wgsl"),
-    include_str!("../../../shaders/view.wgsl"),
-    include_str!("../../../shaders/work.wgsl"),
-    env!("CARGO_PKG_VERSION"),
-];
+fn code() -> Vec<&'static str> {
+    let own = [crate::host::SHADING_WGSL, include_str!("../raster.wgsl"), env!("CARGO_PKG_VERSION")];
+    own.into_iter().chain(deferred_aa::shader_texts()).collect()
+}
 
 impl Fingerprint {
     /// Of all that is uploaded of a scene, and of the code that renders it.
     pub fn of_scene(scene: &Scene) -> Self {
         let mut all = Self(Sha256::new());
-        CODE.iter().for_each(|code| all.bytes(code.as_bytes()));
+        code().iter().for_each(|code| all.bytes(code.as_bytes()));
         for mesh in &scene.meshes {
             all.bytes(bytemuck::cast_slice(&mesh.positions));
             all.bytes(bytemuck::cast_slice(&mesh.normals));
@@ -134,11 +86,22 @@ mod tests {
 
     #[test]
     fn every_shader_of_the_library_counts() {
-        for file in std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/../shaders")).unwrap() {
-            let path = file.unwrap().path();
-            let text = std::fs::read_to_string(&path).unwrap();
-            assert!(CODE.contains(&text.as_str()), "{} is not in CODE", path.display());
+        let code = code();
+        let mut folders = vec![std::path::PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../shaders"))];
+        let mut files = 0;
+        while let Some(folder) = folders.pop() {
+            for entry in std::fs::read_dir(folder).unwrap() {
+                let path = entry.unwrap().path();
+                if path.is_dir() {
+                    folders.push(path);
+                    continue;
+                }
+                let text = std::fs::read_to_string(&path).unwrap();
+                assert!(code.contains(&text.as_str()), "{} does not count", path.display());
+                files += 1;
+            }
         }
+        assert!(files > 40, "{files}");
     }
 
     #[test]

@@ -104,7 +104,7 @@ fn daa_pack_main(
 /// The shaders of all passes of frames with these settings, translated.
 pub fn export(request: &Request<'_>) -> Result<Export, ShadersError> {
     let mut passes = collect(request)?;
-    passes.insert(0, (PassInfo { name: "pack", reads: &[], writes: &[deferred_aa::Resource::GBuffer] }, vec![pack()]));
+    passes.insert(0, (None, vec![pack()]));
 
     let mut resolved: Vec<Resolved<'_>> = Vec::new();
     let mut uses = Vec::new();
@@ -143,7 +143,7 @@ fn key(shader: &Shader) -> (&String, &Vec<(String, f64)>, &String) {
     (&shader.entry, &shader.constants, &shader.source)
 }
 
-fn collect(request: &Request<'_>) -> Result<Vec<(PassInfo, Vec<Shader>)>, ShadersError> {
+fn collect(request: &Request<'_>) -> Result<Vec<(Option<PassInfo>, Vec<Shader>)>, ShadersError> {
     let descriptor = Descriptor {
         m: request.m,
         textures: request.textures,
@@ -154,7 +154,8 @@ fn collect(request: &Request<'_>) -> Result<Vec<(PassInfo, Vec<Shader>)>, Shader
     let gpu = Gpu::drawing_nothing(&descriptor)?;
     let layout = host::layout(&gpu.device, request.shading, request.textures).map_err(BuildError::from)?;
     let aa = DeferredAa::new(&gpu.device, &descriptor, layout.as_ref())?;
-    Ok(aa.shaders(request.settings, &Needs::default())?)
+    let passes = aa.shaders(request.settings, &Needs::default())?;
+    Ok(passes.into_iter().map(|(info, shaders)| (Some(info), shaders)).collect())
 }
 
 fn pack() -> Shader {

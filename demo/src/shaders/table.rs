@@ -3,7 +3,7 @@
 use super::bindings::{Kind, Slots, length};
 use super::translate::is_buffer;
 use super::{Request, Resolved};
-use deferred_aa::{PassInfo, Resource};
+use deferred_aa::{Grid, PassInfo, Resource, ResourceSet, Rounds};
 use naga::common::wgsl::TypeContext as _;
 use naga::{Handle, Module, Type, TypeInner};
 use std::collections::BTreeMap;
@@ -35,6 +35,8 @@ pub struct Pass {
     pub reads: Vec<String>,
     /// What it changes.
     pub writes: Vec<String>,
+    /// How often the shaders run, one after the other.
+    pub rounds: String,
     /// In the order in which they run.
     pub shaders: Vec<Entry>,
 }
@@ -50,6 +52,8 @@ pub struct Entry {
     pub stage: String,
     /// Lanes of a workgroup along x, y and z; 0 if it is no compute shader.
     pub workgroup_size: [u32; 3],
+    /// How many workgroups it gets, for an output of w × h pixels; empty if it is no compute shader.
+    pub workgroups: String,
     /// What it reads and writes, by group and binding.
     pub bindings: Vec<Binding>,
 }
@@ -102,24 +106,31 @@ pub struct Member {
 impl Table {
     pub(super) fn new(
         request: &Request<'_>,
-        uses: &[(PassInfo, Vec<usize>)],
+        uses: &[(Option<PassInfo>, Vec<usize>)],
         resolved: &[Resolved<'_>],
         entries: &[String],
         slots: &Slots,
     ) -> Self {
-        let names = |resources: &[Resource]| resources.iter().map(|r| format!("{r:?}")).collect();
+        let names = |resources: ResourceSet| resources.iter().map(|r| format!("{r:?}")).collect();
         let mut structs = BTreeMap::new();
         for one in resolved {
             for (_, variable) in one.module.global_variables.iter().filter(|(_, v)| is_buffer(v)) {
                 describe(&one.module, variable.ty, &mut structs);
             }
         }
-        let shader = |&index: &usize| entry(request, &resolved[index], entries[index].clone(), slots);
-        let pass = |(info, indices): &(PassInfo, Vec<usize>)| Pass {
-            name: info.name,
-            reads: names(info.reads),
-            writes: names(info.writes),
-            shaders: indices.iter().map(shader).collect(),
+        let pass = |(info, indices): &(Option<PassInfo>, Vec<usize>)| {
+            let shader = |&index: &usize| {
+                let grid = info.and_then(|info| grid(&info, &resolved[index].shader.entry));
+                entry(request, &resolved[index], entries[index].clone(), slots, grid)
+            };
+            Pass {
+                name: info.map_or("pack", |info| info.name),
+                reads: info.map_or_else(Vec::new, |info| names(info.reads)),
+                // What packs is the host's, and writes what the host renders.
+                writes: info.map_or_else(|| vec![format!("{:?}", Resource::GBuffer)], |info| names(info.writes)),
+                rounds: info.map_or(Rounds::Once, |info| info.rounds).to_string(),
+                shaders: indices.iter().map(shader).collect(),
+            }
         };
         Self {
             language: request.lang.to_string(),
@@ -146,15 +157,22 @@ impl Table {
         writeln!(
             out,
             "Passes in the order in which they run; what each reads must be finished before. `pack` is not the node's: it is an \
-             example of what a host's raster shader returns. How many workgroups each gets, and what the constants hold, is \
-             in the node's `src/node/recording.rs` and `src/frame.rs`."
+             example of what a host's raster shader returns. An output has w × h pixels, m × m samples each; where a pass runs more than \
+             once, its dynamic offset goes 256 bytes further each time. What the frame's constants hold is in the node's \
+             `src/gpu/frame_uniform.rs` and `src/techniques/`."
         )?;
         for pass in &self.passes {
             let list = |names: &[String]| if names.is_empty() { "nothing".to_owned() } else { names.join(", ") };
-            writeln!(out, "\n## {}\n\nReads {}; writes {}.", pass.name, list(&pass.reads), list(&pass.writes))?;
+            let rounds =
+                if pass.rounds == Rounds::Once.to_string() { String::new() } else { format!(" Runs {}.", pass.rounds) };
+            writeln!(out, "\n## {}\n\nReads {}; writes {}.{rounds}", pass.name, list(&pass.reads), list(&pass.writes))?;
             for shader in &pass.shaders {
                 let [x, y, z] = shader.workgroup_size;
-                let lanes = if x == 0 { String::new() } else { format!(", workgroups of {x} × {y} × {z}") };
+                let lanes = if x == 0 {
+                    String::new()
+                } else {
+                    format!(", workgroups of {x} × {y} × {z}: {}", shader.workgroups)
+                };
                 writeln!(out, "\n`{}`: `{}`, {}{lanes}.", shader.file, shader.entry, shader.stage)?;
                 if shader.bindings.is_empty() {
                     continue;
@@ -190,7 +208,7 @@ impl Table {
     }
 }
 
-fn entry(request: &Request<'_>, one: &Resolved<'_>, entry: String, slots: &Slots) -> Entry {
+fn entry(request: &Request<'_>, one: &Resolved<'_>, entry: String, slots: &Slots, grid: Option<Grid>) -> Entry {
     let module = &one.module;
     let binding = |(_, variable): (_, &naga::GlobalVariable)| {
         let at = variable.binding?;
@@ -213,8 +231,14 @@ fn entry(request: &Request<'_>, one: &Resolved<'_>, entry: String, slots: &Slots
         entry,
         stage: format!("{:?}", one.shader.stage).to_lowercase(),
         workgroup_size: module.entry_points.first().map_or([0; 3], |e| e.workgroup_size),
+        workgroups: grid.filter(|&grid| grid != Grid::Target).map(|grid| grid.to_string()).unwrap_or_default(),
         bindings,
     }
+}
+
+/// How many workgroups an entry point of a pass gets.
+fn grid(info: &PassInfo, entry: &str) -> Option<Grid> {
+    info.stages.iter().find(|stage| stage.entry == entry).map(|stage| stage.grid)
 }
 
 /// A type as WGSL has it.

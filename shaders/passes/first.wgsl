@@ -1,0 +1,40 @@
+// first: shades the rank-0 sample of every window into S (Holländer et al. 2013, listing 1, ShadeFirstSample).
+
+@group(3) @binding(0) var daa_first: texture_storage_2d<rgba32float, write>;
+@group(3) @binding(1) var<storage, read_write> daa_statistics: DaaStatistics;
+
+/// Whether the rank-0 sample stands for its whole window: one material and object, and corners on one plane, in reversed-z
+/// depth, which is linear in screen space, and in normals (within about 4°). Elsewhere the window will want more samples,
+/// and the first is one of many.
+fn daa_stands_for_all(pixel: vec2u) -> bool {
+    let corner = pixel * DAA_M;
+    let far = DAA_M - 1u;
+    let a = textureLoad(daa_gbuffer_surface, corner, 0).xy;
+    let b = textureLoad(daa_gbuffer_surface, corner + vec2u(far, 0u), 0).xy;
+    let c = textureLoad(daa_gbuffer_surface, corner + vec2u(0u, far), 0).xy;
+    let d = textureLoad(daa_gbuffer_surface, corner + far, 0).xy;
+    let depth = vec4f(
+        daa_depth_at(corner),
+        daa_depth_at(corner + vec2u(far, 0u)),
+        daa_depth_at(corner + vec2u(0u, far)),
+        daa_depth_at(corner + far),
+    );
+    let bend = abs((depth.x - depth.y) - (depth.z - depth.w));
+    let one_plane = bend <= 1e-3 * max(max(depth.x, depth.y), max(depth.z, depth.w));
+    let codes = mat4x2f(
+        unpack2x16snorm(a.x), unpack2x16snorm(b.x), unpack2x16snorm(c.x), unpack2x16snorm(d.x),
+    );
+    let spread = max(max(codes[0], codes[1]), max(codes[2], codes[3])) - min(min(codes[0], codes[1]), min(codes[2], codes[3]));
+    let one_identity = a.y == b.y && a.y == c.y && a.y == d.y;
+    return one_identity && one_plane && max(spread.x, spread.y) < 0.05;
+}
+
+@compute @workgroup_size(8, 8)
+fn daa_first_main(@builtin(global_invocation_id) id: vec3u) {
+    if any(id.xy >= daa_frame.size) {
+        return;
+    }
+    let may_be_alone = daa_frame.least_samples < 1.5 && daa_stands_for_all(id.xy);
+    let alone = !daa_flag(DAA_FLAG_EDGE_AWARE_FIRST) || may_be_alone;
+    textureStore(daa_first, id.xy, daa_shade_sample(id.xy, 0u, select(DAA_M * DAA_M, 1u, alone)));
+}

@@ -1,0 +1,158 @@
+// list: the frame's work as one list, for the executions that want it so. By a stable counting sort, so that the order is
+// the same each time: counts by row and tile, an exclusive scan of each row, then every tile writes its own part.
+//
+// Pixels: a row for each k, from n down to 2, each padded to whole workgroups with DAA_NO_ENTRY, so that a workgroup has one
+// k. Entries are slots of the plan. Samples: one row, in batches of whole tiles. Entries are slot · n + rank.
+// CPU twin: src/reference/list.rs.
+
+/// Samples of a batch, less those of its last tile that reach beyond. More: fewer dispatches; 16 bytes each.
+const DAA_BATCH: u32 = 4194304u;
+
+@group(3) @binding(0) var<storage, read> daa_plan: array<u32>;
+/// Of row r and tile t at r · tiles + t: entries of the tile in the row; after the scan, entries of the row before the tile's.
+@group(3) @binding(1) var<storage, read_write> daa_rows: array<u32>;
+@group(3) @binding(2) var<storage, read_write> daa_list: array<u32>;
+@group(3) @binding(3) var<storage, read_write> daa_work: array<DaaWork>;
+
+/// Rows of a list of pixels: one for each k from 2, or one that stays empty.
+fn daa_pixel_rows() -> u32 {
+    return max(DAA_M * DAA_M - 1u, 1u);
+}
+
+fn daa_row(k: u32) -> u32 {
+    return DAA_M * DAA_M - k;
+}
+
+@compute @workgroup_size(64)
+fn daa_list_count_pixels(@builtin(global_invocation_id) id: vec3u) {
+    let tiles = daa_tile_count();
+    if id.x >= tiles {
+        return;
+    }
+    var counts: array<u32, 64>;
+    for (var i = 0u; i < 64u; i++) {
+        let k = daa_plan_k(daa_plan[id.x * 64u + i]);
+        if k > 1u {
+            counts[daa_row(k)] += 1u;
+        }
+    }
+    for (var row = 0u; row < daa_pixel_rows(); row++) {
+        daa_rows[row * tiles + id.x] = counts[row];
+    }
+}
+
+@compute @workgroup_size(64)
+fn daa_list_count_samples(@builtin(global_invocation_id) id: vec3u) {
+    if id.x < daa_tile_count() {
+        let last = daa_plan[id.x * 64u + 63u];
+        daa_rows[id.x] = daa_plan_before(last) + max(daa_plan_k(last), 1u) - 1u;
+    }
+}
+
+var<workgroup> daa_parts: array<u32, 256>;
+
+/// A workgroup scans a row: each lane a run of tiles, with the sums of the runs before it.
+@compute @workgroup_size(256)
+fn daa_list_scan(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
+    let tiles = daa_tile_count();
+    let run = (tiles + 255u) / 256u;
+    let row = group.x * tiles;
+    let begin = row + min(lane * run, tiles);
+    let end = row + min((lane + 1u) * run, tiles);
+    var sum = 0u;
+    for (var i = begin; i < end; i++) {
+        sum += daa_rows[i];
+    }
+    daa_parts[lane] = sum;
+    workgroupBarrier();
+    var before = 0u;
+    for (var i = 0u; i < lane; i++) {
+        before += daa_parts[i];
+    }
+    if lane == 255u {
+        daa_work[group.x + 1u].count = before + sum;
+    }
+    for (var i = begin; i < end; i++) {
+        let entries = daa_rows[i];
+        daa_rows[i] = before;
+        before += entries;
+    }
+}
+
+fn daa_set_work(index: u32, begin: u32, end: u32) {
+    daa_work[index].begin = begin;
+    daa_work[index].end = end;
+    // Whole strides (`daa_shade_pixels`), within 65 535 a dimension.
+    let groups = (((end - begin + 63u) / 64u) + DAA_STRIDES - 1u) / DAA_STRIDES * DAA_STRIDES;
+    let x = min(groups, 32768u);
+    daa_work[index].groups_x = x;
+    daa_work[index].groups_y = (groups + max(x, 1u) - 1u) / max(x, 1u);
+    daa_work[index].groups_z = 1u;
+}
+
+@compute @workgroup_size(64)
+fn daa_list_pixels(@builtin(global_invocation_id) id: vec3u) {
+    let tiles = daa_tile_count();
+    if id.x >= tiles {
+        return;
+    }
+    var next: array<u32, 64>;
+    var begin = 0u;
+    for (var row = 0u; row < daa_pixel_rows(); row++) {
+        let end = begin + daa_work[row + 1u].count;
+        let padded = (end + 63u) & ~63u;
+        next[row] = begin + daa_rows[row * tiles + id.x];
+        if id.x == 0u {
+            daa_set_work(row + 1u, begin, padded);
+            for (var i = end; i < padded; i++) {
+                daa_list[i] = DAA_NO_ENTRY;
+            }
+        }
+        begin = padded;
+    }
+    if id.x == 0u {
+        daa_set_work(0u, 0u, begin);
+    }
+    for (var i = 0u; i < 64u; i++) {
+        let slot = id.x * 64u + i;
+        let k = daa_plan_k(daa_plan[slot]);
+        if k > 1u {
+            daa_list[next[daa_row(k)]] = slot;
+            next[daa_row(k)] += 1u;
+        }
+    }
+}
+
+/// Samples before the first tile that has at least `samples` before it; all of them if there is none.
+fn daa_cut(samples: u32) -> u32 {
+    var below = 0u;
+    var above = daa_tile_count();
+    while below < above {
+        let tile = (below + above) / 2u;
+        if daa_rows[tile] < samples {
+            below = tile + 1u;
+        } else {
+            above = tile;
+        }
+    }
+    if below == daa_tile_count() {
+        return daa_work[1].count;
+    }
+    return daa_rows[below];
+}
+
+@compute @workgroup_size(64)
+fn daa_list_samples(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocation_index) lane: u32) {
+    let index = daa_tile_index(tile.xy);
+    if index == 0u {
+        for (var batch = lane; batch < arrayLength(&daa_work) - 1u; batch += 64u) {
+            daa_set_work(batch + 1u, daa_cut(batch * DAA_BATCH), daa_cut((batch + 1u) * DAA_BATCH));
+        }
+    }
+    let slot = index * 64u + lane;
+    let word = daa_plan[slot];
+    let begin = daa_rows[index] + daa_plan_before(word);
+    for (var rank = 1u; rank < daa_plan_k(word); rank++) {
+        daa_list[begin + rank - 1u] = slot * DAA_M * DAA_M + rank;
+    }
+}

@@ -1,0 +1,56 @@
+// plan: where each window's samples beyond the first lie in its tile's list, and what the frame will shade.
+// A tile is 8 × 8 pixels. The words are those of plan_word.wgsl. CPU twin: src/reference/plan.rs.
+
+@group(3) @binding(0) var<storage, read> daa_counts: array<u32>;
+@group(3) @binding(1) var<storage, read_write> daa_plan: array<u32>;
+@group(3) @binding(2) var<storage, read_write> daa_statistics: DaaStatistics;
+
+var<workgroup> daa_group_histogram: array<atomic<u32>, 64>;
+var<workgroup> daa_group_decided: array<atomic<u32>, 7>;
+
+/// A lane plans a tile: most tiles have little to add, and a tile's list needs no barrier this way.
+@compute @workgroup_size(64)
+fn daa_plan_main(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) lane: u32) {
+    if id.x < daa_tile_count() {
+        let first_slot = id.x * 64u;
+        var total = 0u;
+        for (var i = 0u; i < 64u; i++) {
+            total += max(daa_plan_k(daa_counts[first_slot + i]), 1u) - 1u;
+        }
+        let overflows = total > daa_frame.tile_limit;
+        if overflows {
+            atomicAdd(&daa_statistics.overflowed_tiles, 1u);
+        }
+        // At most 64 · 63, so 16 bits hold it.
+        var before = 0u;
+        // Most windows have k = 1: counted here, so that lanes do not queue for one counter.
+        var ones = 0u;
+        for (var i = 0u; i < 64u; i++) {
+            let count = daa_counts[first_slot + i];
+            // 0: the tile reaches over the image's edge here.
+            let k = select(daa_plan_k(count), min(daa_plan_k(count), 1u), overflows);
+            let reason = select(daa_plan_reason(count), DAA_BY_NOTHING, overflows);
+            daa_plan[first_slot + i] = daa_plan_word(k, reason, before);
+            if k == 1u {
+                ones += 1u;
+            } else if k > 1u {
+                before += k - 1u;
+                atomicAdd(&daa_group_histogram[k - 1u], 1u);
+                atomicAdd(&daa_group_decided[reason & 15u], 1u);
+            }
+        }
+        atomicAdd(&daa_group_histogram[0], ones);
+        atomicAdd(&daa_group_decided[0], ones);
+    }
+    workgroupBarrier();
+    let windows = atomicLoad(&daa_group_histogram[lane]);
+    if windows > 0u {
+        atomicAdd(&daa_statistics.histogram[lane], windows);
+    }
+    if lane < 7u {
+        let decided = atomicLoad(&daa_group_decided[lane]);
+        if decided > 0u {
+            atomicAdd(&daa_statistics.decided[lane], decided);
+        }
+    }
+}

@@ -1,0 +1,175 @@
+// reconstruct: every geometric sample takes its colour from the shaded samples around it that lie on its surface, by a
+// bilateral filter: subpixel reconstruction (Chajdas, McGuire, Luebke 2011, "Subpixel Reconstruction Antialiasing for Deferred
+// Shading") as it was brought to ray tracing, with a gate for shadows (WSCG 2012, section 3). A sample that none of them speaks
+// for is shaded. CPU twin: src/reference/reconstruct.rs.
+
+@group(3) @binding(0) var daa_first: texture_2d<f32>;
+@group(3) @binding(1) var<storage, read_write> daa_plan: array<u32>;
+@group(3) @binding(2) var daa_color: texture_storage_2d<rgba32float, write>;
+@group(3) @binding(3) var<storage, read_write> daa_statistics: DaaStatistics;
+
+/// The shaded samples of a tile's windows and of those around it, 10 × 10.
+var<workgroup> daa_near: array<DaaGeometry, 100>;
+var<workgroup> daa_counts: array<u32, 64>;
+var<workgroup> daa_total: u32;
+/// What a round shades, a sample each lane: window (6 bits) | rank (6 bits) | k (8 bits). And what became of it.
+var<workgroup> daa_round: array<u32, 64>;
+var<workgroup> daa_round_colors: array<vec4f, 64>;
+
+/// The colour of a geometric sample from the shaded samples of its 3 × 3 windows.
+struct DaaReconstructed {
+    sum: vec4f,
+    weight: f32,
+}
+
+fn daa_reconstruct_sample(pixel: vec2u, i: DaaGeometry) -> DaaReconstructed {
+    var r = DaaReconstructed(vec4f(0.0), 0.0);
+    let last = vec2i(daa_frame.size) - 1;
+    let local = vec2i(pixel & vec2u(7u));
+    // An end that the compiler does not know: nine copies take drivers seconds to compile, and run no faster.
+    let end = min(9, last.x + 9);
+    for (var place = 0; place < end; place++) {
+        let step = vec2i(place % 3, place / 3);
+        let at = vec2i(pixel) + step - 1;
+        if any(at < vec2i(0)) || any(at > last) {
+            continue;
+        }
+        let w = daa_reconstruct_weight(i, daa_near[(local.y + step.y) * 10 + local.x + step.x]);
+        r.sum += textureLoad(daa_first, at, 0) * w;
+        r.weight += w;
+    }
+    return r;
+}
+
+/// Luminance about as a display shows it.
+fn daa_shown_luminance(c: vec4f) -> f32 {
+    let l = min(daa_luminance(c.rgb) * daa_frame.exposure, 1e30);
+    return sqrt(l / (1.0 + l));
+}
+
+/// How many samples of its own surface a window is worth: the range of luminance over those of the four direct neighbours'
+/// shaded samples that speak for it, since other contrast is the geometry's.
+fn daa_contrast_samples(pixel: vec2u, own: DaaGeometry, own_color: vec4f) -> u32 {
+    if !daa_flag(DAA_FLAG_OWN_FIRST) || daa_frame.reconstruct.contrast_scale == 0.0 || own.depth == 0.0 {
+        return 1u;
+    }
+    var least = daa_shown_luminance(own_color);
+    var most = least;
+    let last = vec2i(daa_frame.size) - 1;
+    let end = min(4, last.x + 4);
+    for (var i = 0; i < end; i++) {
+        let step = select(vec2i(i - 2, 0), vec2i(0, i - 1), (i & 1) == 0);
+        let at = clamp(vec2i(pixel) + step, vec2i(0), last);
+        let beside = at - vec2i(pixel) + vec2i(pixel & vec2u(7u)) + 1;
+        if daa_reconstruct_weight(own, daa_near[beside.y * 10 + beside.x]) >= 0.5 {
+            let l = daa_shown_luminance(textureLoad(daa_first, at, 0));
+            least = min(least, l);
+            most = max(most, l);
+        }
+    }
+    let range = select(most - least, 0.0, most - least < daa_frame.reconstruct.contrast_min);
+    return u32(clamp(round(daa_frame.reconstruct.contrast_scale * range), 1.0, f32(daa_frame.reconstruct.samples)));
+}
+
+/// What a geometric sample reflects and refracts, if that is not in the shaded colours: it has its own, and needs no filter.
+fn daa_secondary_of(pixel: vec2u, rank: u32) -> vec4f {
+    if !daa_flag(DAA_FLAG_SECONDARY_APART) {
+        return vec4f(0.0);
+    }
+    return vec4f(daa_radiance_decode(daa_secondary_code(pixel, rank)), 0.0);
+}
+
+@compute @workgroup_size(64)
+fn daa_reconstruct_main(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocation_index) lane: u32) {
+    let last = vec2i(daa_frame.size) - 1;
+    for (var i = i32(lane); i < 100; i += 64) {
+        let at = clamp(vec2i(tile.xy) * 8 + vec2i(i % 10, i / 10) - 1, vec2i(0), last);
+        daa_near[i] = daa_geometry(vec2u(at), 0u);
+    }
+    workgroupBarrier();
+
+    let pixel = daa_tile_pixel(tile.xy, lane);
+    let inside = all(pixel < daa_frame.size);
+    let n = DAA_M * DAA_M;
+    let own_first = daa_flag(DAA_FLAG_OWN_FIRST);
+    let own_color = textureLoad(daa_first, min(pixel, daa_frame.size - 1u), 0);
+    // The first k ranks are shaded where they lie on the window's own surface.
+    var k = 1u;
+    var shaded = vec2u(0u);
+    var on_own = vec2u(0u);
+    var secondary_on_own = vec4f(0.0);
+    var others = DaaMean();
+    if inside {
+        let own = daa_near[(lane / 8u + 1u) * 10u + lane % 8u + 1u];
+        k = daa_contrast_samples(pixel, own, own_color);
+        for (var rank = 0u; rank < daa_frame.reconstruct.samples; rank++) {
+            let i = daa_geometry(pixel, rank);
+            let secondary = daa_secondary_of(pixel, rank);
+            // The window's own sample is as near as any, and its texture footprint is this window's.
+            if own_first && daa_reconstruct_weight(i, own) >= 0.5 {
+                on_own = daa_with(on_own, rank);
+                secondary_on_own += secondary;
+                if rank > 0u && rank < k {
+                    shaded = daa_with(shaded, rank);
+                }
+                continue;
+            }
+            let around = daa_reconstruct_sample(pixel, i);
+            if around.weight >= daa_frame.reconstruct.least_weight {
+                others = daa_weighted(others, around.sum / around.weight + secondary);
+            } else if rank == 0u {
+                others = daa_weighted(others, own_color + secondary);
+            } else {
+                shaded = daa_with(shaded, rank);
+            }
+        }
+    }
+
+    // The tile's samples are shaded end to end, 64 a round, so that no lane waits for another's.
+    let count = countOneBits(shaded.x) + countOneBits(shaded.y);
+    daa_counts[lane] = count;
+    workgroupBarrier();
+    var next = 0u;
+    for (var i = 0u; i < lane; i++) {
+        next += daa_counts[i];
+    }
+    if lane == 63u {
+        daa_total = next + count;
+    }
+    let total = workgroupUniformLoad(&daa_total);
+    var own_mean = daa_weighted(DaaMean(), own_color);
+    for (var done = 0u; done < total; done += 64u) {
+        var queued = shaded;
+        for (var at = next; at < done + 64u && any(queued != vec2u(0u)); at++) {
+            let rank = daa_least(queued);
+            daa_round[at - done] = lane | (rank << 6u) | (select(n, k, daa_has(on_own, rank)) << 12u);
+            queued = daa_without_least(queued);
+        }
+        workgroupBarrier();
+        if done + lane < total {
+            let entry = daa_round[lane];
+            let window = tile.xy * 8u + vec2u(entry & 7u, (entry >> 3u) & 7u);
+            daa_round_colors[lane] = daa_shade_sample(window, (entry >> 6u) & 63u, entry >> 12u);
+        }
+        workgroupBarrier();
+        for (; next < done + 64u && any(shaded != vec2u(0u)); next++) {
+            let rank = daa_least(shaded);
+            let c = daa_round_colors[next - done];
+            if daa_has(on_own, rank) {
+                own_mean = daa_weighted(own_mean, c);
+            } else {
+                others = daa_weighted(others, c + daa_secondary_of(pixel, rank));
+            }
+            shaded = daa_without_least(shaded);
+        }
+    }
+    if !inside {
+        return;
+    }
+    let of_own = f32(countOneBits(on_own.x) + countOneBits(on_own.y));
+    let all_own = daa_weighted(DaaMean(), daa_mean_finish(own_mean) + secondary_on_own / max(of_own, 1.0));
+    let mean = DaaMean(others.sum + all_own.sum * of_own, others.weight + all_own.weight * of_own);
+    textureStore(daa_color, pixel, daa_mean_finish(mean));
+    daa_plan[daa_tile_index(tile.xy) * 64u + lane] = daa_plan_word(count + 1u, DAA_BY_NOTHING, 0u);
+    atomicAdd(&daa_statistics.histogram[count], 1u);
+}

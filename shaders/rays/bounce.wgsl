@@ -1,0 +1,238 @@
+// bounce: one mirrored and one refracted ray from samples whose material sends them, what they meet shaded by the host's own hook
+// (the secondary rays of subpixel reconstruction for ray tracing, WSCG 2012, section 3). Joined with casting.wgsl, rays.wgsl and the chunk of a tier.
+// CPU twin: src/reference/bounce.rs.
+
+/// What was found, rank by rank: codes of shared_exponent.wgsl. For `Selective` also what the rays of first samples met, behind them.
+/// Where they are kept, the rays of each behind both: mirrored ones, refracted ones · 2¹⁶.
+@group(3) @binding(5) var<storage, read_write> daa_secondary: array<u32>;
+/// A bit for each material: it sends rays.
+@group(3) @binding(9) var<storage, read> daa_bouncing: array<u32>;
+
+/// Surfaces of its own object that a refracted ray passes, at most.
+const DAA_MAX_PASSAGES: u32 = 4u;
+
+/// What the last ray met that its surface was shaded for, as `daa_secondary_hit` has it.
+var<private> daa_last_hit: vec3u;
+
+/// The angle of a ray's cone is a sample's; its width grows with the way (Akenine-Möller et al. 2019, "Texture Level of Detail
+/// Strategies for Real-Time Ray Tracing", section 20.3.4).
+struct DaaCone {
+    width: f32,
+    spread: f32,
+}
+
+fn daa_cone(pixel: vec2u, rank: u32, s: DaaSample) -> DaaCone {
+    let at = vec2f(pixel * DAA_M + daa_order(rank)) + 0.5;
+    let here = daa_relative_position(at, 1.0);
+    let apart = length(daa_relative_position(at + vec2f(1.0, 0.0), 1.0) - here);
+    if daa_frame.orthographic != 0u {
+        return DaaCone(apart, 0.0);
+    }
+    let spread = apart / max(length(here), 1e-30);
+    return DaaCone(spread * length(s.relative_position), spread);
+}
+
+/// A surface that a ray met.
+struct DaaMet {
+    s: DaaSample,
+    front: bool,
+}
+
+fn daa_met(pixel: vec2u, rank: u32, ray: DaaRay, hit: DaaHit, cone: DaaCone) -> DaaMet {
+    let x = bitcast<vec4f>(daa_ray_top[hit.record]).xyz;
+    let y = bitcast<vec4f>(daa_ray_top[hit.record + 1u]).xyz;
+    let z = bitcast<vec4f>(daa_ray_top[hit.record + 2u]).xyz;
+    let names = daa_ray_top[hit.record + 3u];
+    let more = daa_ray_top[hit.record + 4u];
+    let corners = daa_ray_geometry[hit.corners].xyz;
+    let v0 = daa_ray_geometry[corners.x];
+    let a = bitcast<vec3f>(v0.xyz);
+    let e1 = bitcast<vec3f>(daa_ray_geometry[corners.y].xyz) - a;
+    let e2 = bitcast<vec3f>(daa_ray_geometry[corners.z].xyz) - a;
+    let t0 = daa_ray_geometry[corners.x + names.w];
+    let t1 = daa_ray_geometry[corners.y + names.w];
+    let t2 = daa_ray_geometry[corners.z + names.w];
+    let w = vec3f(1.0 - hit.barycentrics.x - hit.barycentrics.y, hit.barycentrics);
+    // The rows take positions into the mesh's own space: normals go back by them, tangents by their inverse.
+    let back = mat3x3f(x, y, z);
+    let side = select(-1.0, 1.0, hit.front != 0u);
+    let n0 = daa_octahedral_decode(unpack2x16snorm(t0.x));
+    let n1 = daa_octahedral_decode(unpack2x16snorm(t1.x));
+    let n2 = daa_octahedral_decode(unpack2x16snorm(t2.x));
+    let tangents = daa_tangent_decode(n0, t0.y);
+    let flat_normal = back * cross(e1, e2);
+    let smooth_normal = back * (n0 * w.x + n1 * w.y + n2 * w.z);
+    let volume = dot(x, cross(y, z));
+    let inverse = mat3x3f(cross(y, z), cross(z, x), cross(x, y));
+    let tangent = inverse * tangents.xyz * sign(volume);
+    let p = ray.origin + ray.direction * hit.t;
+
+    var s: DaaSample;
+    s.pixel = pixel;
+    s.rank = rank;
+    s.relative_position = p;
+    s.position = p + daa_frame.camera_position;
+    s.depth = max(hit.t, 1e-30);
+    s.view = -ray.direction;
+    s.geometric_normal = flat_normal * (side * inverseSqrt(max(dot(flat_normal, flat_normal), 1e-36)));
+    s.normal = smooth_normal * (side * inverseSqrt(max(dot(smooth_normal, smooth_normal), 1e-36)));
+    // A mirroring instance turns N × T round, and the bitangent not.
+    s.tangent = vec4f(tangent * inverseSqrt(max(dot(tangent, tangent), 1e-36)), tangents.w * side * sign(volume));
+    s.material = more.x;
+    s.object = more.y;
+    s.user = v0.w;
+    let uv0 = bitcast<vec2f>(t0.zw);
+    let d1 = bitcast<vec2f>(t1.zw) - uv0;
+    let d2 = bitcast<vec2f>(t2.zw) - uv0;
+    s.uv = uv0 + d1 * w.y + d2 * w.z;
+    // Texture over world along one side, from the areas; the edges' area goes back like their normal.
+    let world_area = length(flat_normal) / max(abs(volume), 1e-36);
+    let scale = sqrt(abs(d1.x * d2.y - d1.y * d2.x) / max(world_area, 1e-36));
+    let across = (cone.width + cone.spread * hit.t) / max(abs(dot(s.normal, ray.direction)), 0.05);
+    let footprint = min(across * scale, 65504.0);
+    s.ddx = vec2f(footprint, 0.0);
+    s.ddy = vec2f(0.0, footprint);
+    return DaaMet(s, hit.front != 0u);
+}
+
+fn daa_sky_towards(pixel: vec2u, rank: u32, direction: vec3f) -> vec3f {
+    var s: DaaSample;
+    s.pixel = pixel;
+    s.rank = rank;
+    s.view = -direction;
+    s.relative_position = direction;
+    s.position = direction + daa_frame.camera_position;
+    return daa_clean(daa_call_sky(s)).color.rgb;
+}
+
+/// What comes along a ray that leaves a surface of `object`. One that is refracted passes through the object's far sides.
+fn daa_arriving(pixel: vec2u, rank: u32, from_point: vec3f, towards: vec3f, refracted: bool, ior: f32, object: u32, start: DaaCone) -> vec3f {
+    var origin = from_point;
+    var direction = towards;
+    var cone = start;
+    let end = select(1u, DAA_MAX_PASSAGES, refracted);
+    for (var i = 0u; i < end; i++) {
+        let ray = DaaRay(origin, 0.0, direction, 1e30);
+        let hit = daa_trace(ray, false, DAA_MISS);
+        if hit.instance == DAA_MISS {
+            daa_last_hit = vec3u(0u);
+            return daa_sky_towards(pixel, rank, direction);
+        }
+        let met = daa_met(pixel, rank, ray, hit, cone);
+        if refracted && met.s.object == object && !met.front && i + 1u < end {
+            // Out again, or back inside where the angle is too flat.
+            let out = refract(direction, met.s.normal, ior);
+            let leaves = dot(out, out) > 0.0;
+            direction = normalize(select(reflect(direction, met.s.normal), out, leaves));
+            let offset = daa_ray_offset(met.s.relative_position) * select(1.0, -1.0, leaves);
+            origin = met.s.relative_position + met.s.geometric_normal * offset;
+            cone.width += cone.spread * hit.t;
+            continue;
+        }
+        var s = met.s;
+        let normal = s.geometric_normal;
+        s.shadow = daa_shadows_at(s.relative_position, s.normal, normal, s.object).x;
+        // A lowest bit of the normal, so that no surface is 0.
+        let code = pack2x16snorm(daa_octahedral_encode(s.normal)) | 1u;
+        daa_last_hit = vec3u((s.object & 0xffffu) | (s.material << 16u), code, s.shadow);
+        return daa_clean(daa_call_hook(s, 1.0)).color.rgb;
+    }
+    daa_last_hit = vec3u(0u);
+    return vec3f(0.0);
+}
+
+var<workgroup> daa_group_rays: array<vec2u, 64>;
+
+/// Whether its material may.
+fn daa_sends_rays(pixel: vec2u, rank: u32) -> bool {
+    let material = textureLoad(daa_gbuffer_surface, pixel * DAA_M + daa_order(rank), 0).y & 0xffffu;
+    return (daa_bouncing[material >> 5u] & (1u << (material & 31u))) != 0u;
+}
+
+/// Nothing is found where nothing is sent.
+fn daa_begin(index: u32) {
+    daa_points[index + daa_casting.step.found].y = 0u;
+}
+
+fn daa_wants(point: DaaPoint) -> bool {
+    return daa_sends_rays(point.pixel, point.rank);
+}
+
+@compute @workgroup_size(64)
+fn daa_bounce_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
+    let ranks = daa_ranks(group.xy, lane, DAA_TILES_BOUNCE);
+    var rays = vec2u(0u);
+    let keeps_hits = daa_flag(DAA_FLAG_SELECTIVE) && daa_casting.samples == DAA_SAMPLES_FIRST;
+    for (var i = ranks.first; i < ranks.end; i++) {
+        let caster = daa_caster(ranks, i);
+        let pixel = caster.pixel;
+        let rank = caster.rank;
+        if !caster.wanted || !daa_sends_rays(pixel, rank) {
+            continue;
+        }
+        let at = daa_sample_index(pixel, rank);
+        let s = daa_fetch(pixel, rank, 1.0, vec2f(0.0));
+        if s.depth == 0.0 {
+            continue;
+        }
+        let b = daa_call_bounce(s);
+        let cone = daa_cone(pixel, rank, s);
+        let offset = daa_ray_offset(s.relative_position);
+        var sum = vec3f(0.0);
+        var traced = false;
+        // An end that the compiler does not know: one copy of the host's code takes long enough to compile.
+        let kinds = min(2u, daa_frame.size.x + 1u);
+        for (var kind = 0u; kind < kinds; kind++) {
+            let weight = select(b.reflection, b.refraction, kind == 1u);
+            let allowed = daa_flag(select(DAA_FLAG_REFLECTIONS, DAA_FLAG_REFRACTIONS, kind == 1u));
+            if !allowed || all(weight <= vec3f(0.0)) {
+                continue;
+            }
+            var direction = reflect(-s.view, b.normal);
+            if kind == 1u {
+                direction = refract(-s.view, b.normal, 1.0 / max(b.ior, 1e-3));
+            }
+            if dot(direction, direction) == 0.0 {
+                continue;
+            }
+            // A normal map may send a mirrored ray into the surface: along it then, risen by more than the 1° within which the
+            // geometric normal is known, else it may meet the triangle that it leaves.
+            let into = dot(direction, s.geometric_normal);
+            if kind == 0u && into < 0.0 {
+                direction += s.geometric_normal * (0.02 - into);
+            }
+            let origin = s.relative_position + s.geometric_normal * select(offset, -offset, kind == 1u);
+            sum += weight * daa_arriving(pixel, rank, origin, normalize(direction), kind == 1u, b.ior, s.object, cone);
+            rays += select(vec2u(1u, 0u), vec2u(0u, 1u), kind == 1u);
+            if daa_casting.keeps != 0u && caster.inside {
+                daa_secondary[daa_sample_index(pixel, DAA_M * DAA_M + 6u + rank)] += 1u << (kind * 16u);
+            }
+            traced = true;
+            if keeps_hits {
+                let word = DAA_M * DAA_M + kind * 3u;
+                daa_secondary[daa_sample_index(pixel, word)] = daa_last_hit.x;
+                daa_secondary[daa_sample_index(pixel, word + 1u)] = daa_last_hit.y;
+                daa_secondary[daa_sample_index(pixel, word + 2u)] = daa_last_hit.z;
+            }
+        }
+        if traced {
+            let code = daa_radiance_encode(daa_clean(vec4f(sum, 1.0)).color.rgb);
+            if caster.inside {
+                daa_secondary[at] = code;
+            }
+            if daa_casting.samples == DAA_SAMPLES_POINTS {
+                daa_points[caster.found].y = code;
+            }
+        }
+    }
+    daa_group_rays[lane] = rays;
+    workgroupBarrier();
+    if lane == 0u {
+        var sum = vec2u(0u);
+        for (var i = 0u; i < 64u; i++) {
+            sum += daa_group_rays[i];
+        }
+        atomicAdd(&daa_statistics.reflection_rays, sum.x);
+        atomicAdd(&daa_statistics.refraction_rays, sum.y);
+    }
+}

@@ -1,0 +1,174 @@
+// What `trace` and `bounce` share: which samples they work on, and shadow rays. Joined with the rays' chunks, lattice.wgsl and
+// listing.wgsl; `daa_wants` and `daa_begin` are the pass's own.
+
+@group(3) @binding(1) var<storage, read> daa_ray_geometry: array<vec4u>;
+@group(3) @binding(2) var<storage, read> daa_ray_top: array<vec4u>;
+@group(3) @binding(3) var<uniform> daa_casting: DaaCasting;
+@group(3) @binding(4) var<storage, read> daa_plan: array<u32>;
+@group(3) @binding(6) var<storage, read_write> daa_statistics: DaaStatistics;
+/// `DaaTileLists` of classify.wgsl, word by word: two classes of four words, then the tiles of either.
+@group(3) @binding(7) var<storage, read> daa_tile_lists: array<u32>;
+/// Of lattice.wgsl.
+@group(3) @binding(8) var<storage, read_write> daa_points: array<vec4u>;
+
+/// Which samples a dispatch works on: `Samples` of src/traces.rs.
+const DAA_SAMPLES_FIRST: u32 = 0u;
+const DAA_SAMPLES_FULL: u32 = 1u;
+const DAA_SAMPLES_PLANNED: u32 = 2u;
+const DAA_SAMPLES_AUDITED: u32 = 3u;
+const DAA_SAMPLES_GEOMETRIC: u32 = 4u;
+const DAA_SAMPLES_POINTS: u32 = 5u;
+
+/// A light that casts shadows.
+struct DaaCastingLight {
+    /// From the camera; of a directional light the unit vector towards it.
+    position: vec3f,
+    /// 0: infinitely far, in one direction.
+    punctual: u32,
+    /// In which it shines.
+    direction: vec3f,
+    /// Cosine of the angle from there beyond which it is dark; -1: it shines everywhere.
+    cone: f32,
+    /// Beyond, it is dark.
+    range: f32,
+}
+
+struct DaaCasting {
+    count: u32,
+    /// DAA_SAMPLES_*.
+    samples: u32,
+    /// 1: the rays of each sample are written down, for the debug view of them.
+    keeps: u32,
+    padding: u32,
+    /// Of DAA_SAMPLES_POINTS.
+    step: DaaStep,
+    lights: array<DaaCastingLight, 32>,
+}
+
+/// Classes of tiles: `TileClass` of src/traces.rs.
+const DAA_TILES_SURFACE: u32 = 0u;
+const DAA_TILES_BOUNCE: u32 = 1u;
+
+/// A pixel, and the ranks from `first` to before `end` of it, those of some quadrants alone. Of points: a lane, counted
+/// through all workgroups, and a bit for each chosen one of its points.
+struct DaaRanks {
+    pixel: vec2u,
+    first: u32,
+    end: u32,
+    quadrants: u32,
+}
+
+/// Of a plan without quadrants.
+const DAA_ALL_QUADRANTS: u32 = 0xffu;
+
+/// A sample that casts rays, if it is wanted.
+struct DaaCaster {
+    pixel: vec2u,
+    rank: u32,
+    wanted: bool,
+    /// What it finds is the sample's.
+    inside: bool,
+    /// Of DAA_SAMPLES_POINTS: where in `daa_points` what it finds belongs, too.
+    found: u32,
+}
+
+fn daa_caster(ranks: DaaRanks, i: u32) -> DaaCaster {
+    if daa_casting.samples == DAA_SAMPLES_POINTS {
+        let at = daa_chosen_at(ranks.pixel, ranks.quadrants, i);
+        let l = daa_casting.step.points;
+        let point = daa_point(l, at);
+        let found = daa_point_index(l, at) + daa_casting.step.found;
+        return DaaCaster(point.pixel, point.rank, true, point.inside, found);
+    }
+    let wanted = ranks.quadrants == DAA_ALL_QUADRANTS || (daa_quadrants(i) & ranks.quadrants) != 0u;
+    return DaaCaster(ranks.pixel, i, wanted, true, 0u);
+}
+
+/// None past the edges of the image, nor past the end of the list of the tiles of this kind.
+fn daa_ranks(group: vec2u, lane: u32, kind: u32) -> DaaRanks {
+    if daa_casting.samples == DAA_SAMPLES_POINTS {
+        let own = group * 8u + vec2u(lane & 7u, lane >> 3u);
+        let chosen = daa_chosen_points(daa_casting.step, own);
+        return DaaRanks(own, 0u, countOneBits(chosen), chosen);
+    }
+    var tile = group;
+    if daa_casting.samples == DAA_SAMPLES_AUDITED {
+        tile = daa_audited_tile(group);
+    } else {
+        let place = group.y * daa_tile_lists[kind * 4u + 1u] + group.x;
+        if place >= daa_tile_lists[kind * 4u] {
+            return DaaRanks(vec2u(0u), 0u, 0u, 0u);
+        }
+        let listed = daa_tile_lists[8u + kind * daa_tile_count() + place];
+        tile = vec2u(listed % daa_frame.tiles_x, listed / daa_frame.tiles_x);
+    }
+    let pixel = daa_tile_pixel(tile, lane);
+    if any(pixel >= daa_frame.size) {
+        return DaaRanks(pixel, 0u, 0u, 0u);
+    }
+    let n = DAA_M * DAA_M;
+    let word = daa_plan[daa_tile_index(tile.xy) * 64u + lane];
+    let k = daa_plan_k(word);
+    let all = DAA_ALL_QUADRANTS;
+    switch daa_casting.samples {
+        case DAA_SAMPLES_FIRST: { return DaaRanks(pixel, 0u, 1u, all); }
+        case DAA_SAMPLES_FULL: { return DaaRanks(pixel, 0u, n, all); }
+        case DAA_SAMPLES_PLANNED: {
+            if daa_flag(DAA_FLAG_SELECTIVE) {
+                return DaaRanks(pixel, 1u, select(n, 1u, k < 2u), daa_plan_quadrants(word));
+            }
+            return DaaRanks(pixel, 1u, k, all);
+        }
+        // Those that were not planned.
+        case DAA_SAMPLES_AUDITED: { return DaaRanks(pixel, k, n, all); }
+        default: { return DaaRanks(pixel, 1u, daa_frame.reconstruct.samples, all); }
+    }
+}
+
+/// How far rays start from a surface: 2⁻¹⁶ of its distance, for what the depth buffer and the ray scene round differently.
+/// Coordinates in the world have no part in it, as both are relative to the camera; those of a mesh's own space do, where they
+/// are much larger (`RayScene::least_offset`).
+fn daa_ray_offset(relative: vec3f) -> f32 {
+    let from_camera = abs(relative);
+    let by_distance = max(max(from_camera.x, from_camera.y), from_camera.z) * 1.52587890625e-5;
+    return max(by_distance, bitcast<f32>(daa_ray_top[0].z));
+}
+
+/// Whether light i does not reach a surface, and 1 if a ray was needed to say so.
+fn daa_shadow(i: u32, position: vec3f, normal: vec3f, geometric_normal: vec3f, object: u32) -> vec2u {
+    let light = daa_casting.lights[i];
+    var towards = light.position;
+    if light.punctual != 0u {
+        towards -= position;
+        let squared = dot(towards, towards);
+        // Where it does not shine, nothing keeps it from shining.
+        if squared >= light.range * light.range || squared == 0.0 || dot(towards, light.direction) > -light.cone * sqrt(squared) {
+            return vec2u(0u);
+        }
+    }
+    if dot(normal, towards) <= 0.0 {
+        return vec2u(1u, 0u);
+    }
+    // Where the smooth surface faces the light and its coarse triangle does not, the ray starts inside of the body, and where
+    // it leaves it that does not count: else the triangles would show at the terminator.
+    let inside = dot(geometric_normal, towards) <= 0.0;
+    let origin = position + geometric_normal * select(daa_ray_offset(position), -daa_ray_offset(position), inside);
+    var ray = DaaRay(origin, 0.0, towards, 1e30);
+    if light.punctual != 0u {
+        ray.direction = light.position - origin;
+        // Not the lamp itself.
+        ray.t_max = 0.9998;
+    }
+    let hit = daa_trace(ray, true, select(DAA_MISS, object, inside));
+    return vec2u(u32(hit.instance != DAA_MISS), 1u);
+}
+
+/// The bits of all lights in x, rays in y.
+fn daa_shadows_at(position: vec3f, normal: vec3f, geometric_normal: vec3f, object: u32) -> vec2u {
+    var bits = vec2u(0u);
+    for (var i = 0u; i < daa_casting.count; i++) {
+        let shadow = daa_shadow(i, position, normal, geometric_normal, object);
+        bits += vec2u(shadow.x << i, shadow.y);
+    }
+    return bits;
+}

@@ -1,0 +1,68 @@
+// classify: the tiles in which rays are wanted, by kind, so that `trace` and `bounce` go to these alone.
+// CPU twin: src/reference/classify.rs.
+
+@group(3) @binding(0) var<storage, read_write> daa_tile_lists: DaaTileLists;
+/// A bit for each material: it sends rays.
+@group(3) @binding(1) var<storage, read> daa_bouncing: array<u32>;
+@group(3) @binding(2) var<storage, read_write> daa_statistics: DaaStatistics;
+
+/// Tiles of a class: how many, and workgroups for an indirect dispatch over them.
+struct DaaTileClass {
+    count: atomic<u32>,
+    groups_x: u32,
+    groups_y: u32,
+    groups_z: u32,
+}
+
+struct DaaTileLists {
+    /// 0: with a surface, 1: with one that sends rays.
+    classes: array<DaaTileClass, 2>,
+    /// Indices of tiles, in no order; those of class 1 begin at the number of all tiles. Behind them, by tile, a bit for each class.
+    tiles: array<u32>,
+}
+
+var<workgroup> daa_found: atomic<u32>;
+
+@compute @workgroup_size(64)
+fn daa_classify_main(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocation_index) lane: u32) {
+    let pixel = daa_tile_pixel(tile.xy, lane);
+    // Where no material sends rays, a tile is known as soon as it holds a surface.
+    let wanted = select(1u, 3u, daa_flag(DAA_FLAG_BOUNCES));
+    var found = 0u;
+    if all(pixel < daa_frame.size) {
+        for (var i = 0u; i < DAA_M * DAA_M && found != wanted; i++) {
+            let at = pixel * DAA_M + vec2u(i % DAA_M, i / DAA_M);
+            if daa_depth_at(at) > DAA_SKY_DEPTH {
+                let material = textureLoad(daa_gbuffer_surface, at, 0).y & 0xffffu;
+                found |= 1u | (((daa_bouncing[material >> 5u] >> (material & 31u)) & 1u) << 1u);
+            }
+        }
+    }
+    if found != 0u {
+        atomicOr(&daa_found, found);
+    }
+    workgroupBarrier();
+    let all_tiles = daa_tile_count();
+    let of_tile = atomicLoad(&daa_found) & wanted;
+    let index = daa_tile_index(tile.xy);
+    if lane == 0u {
+        daa_tile_lists.tiles[2u * all_tiles + index] = of_tile;
+    }
+    if lane < 2u && ((of_tile >> lane) & 1u) != 0u {
+        let place = atomicAdd(&daa_tile_lists.classes[lane].count, 1u);
+        daa_tile_lists.tiles[lane * all_tiles + place] = index;
+    }
+}
+
+/// Behind it: what the dispatches over the lists want, within 65 535 a dimension.
+@compute @workgroup_size(1)
+fn daa_classify_finish() {
+    for (var kind = 0u; kind < 2u; kind++) {
+        let count = atomicLoad(&daa_tile_lists.classes[kind].count);
+        let x = min(count, 32768u);
+        daa_tile_lists.classes[kind].groups_x = x;
+        daa_tile_lists.classes[kind].groups_y = (count + max(x, 1u) - 1u) / max(x, 1u);
+        daa_tile_lists.classes[kind].groups_z = 1u;
+        atomicStore(&daa_statistics.tiles[kind], count);
+    }
+}

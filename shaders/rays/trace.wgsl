@@ -1,0 +1,82 @@
+// trace: from the samples that will be shaded, rays towards the lights that cast shadows. Joined with casting.wgsl, rays.wgsl and
+// the chunk of a tier. CPU twin: src/reference/trace.rs.
+
+/// The shadow bits of all samples, rank by rank. Where they are kept, the rays of each behind them, likewise.
+@group(3) @binding(5) var<storage, read_write> daa_shadows: array<u32>;
+
+var<workgroup> daa_group_rays: array<u32, 64>;
+
+/// The sky gets its bits, too.
+fn daa_wants(point: DaaPoint) -> bool {
+    return true;
+}
+
+/// All are written.
+fn daa_begin(index: u32) {}
+
+/// Whether rays could tell the samples of a window apart: it holds two surfaces, or the first samples of the windows around it
+/// differ in shadow or identity.
+fn daa_worth_tracing(pixel: vec2u) -> bool {
+    let identity = textureLoad(daa_gbuffer_surface, pixel * DAA_M + daa_order(0u), 0).y;
+    for (var rank = 1u; rank < daa_frame.reconstruct.samples; rank++) {
+        if textureLoad(daa_gbuffer_surface, pixel * DAA_M + daa_order(rank), 0).y != identity {
+            return true;
+        }
+    }
+    let bits = daa_shadows[daa_sample_index(pixel, 0u)];
+    let last = vec2i(daa_frame.size) - 1;
+    for (var i = 0; i < 9; i++) {
+        let at = vec2u(clamp(vec2i(pixel) + vec2i(i % 3, i / 3) - 1, vec2i(0), last));
+        let other = textureLoad(daa_gbuffer_surface, at * DAA_M + daa_order(0u), 0).y;
+        if daa_shadows[daa_sample_index(at, 0u)] != bits || other != identity {
+            return true;
+        }
+    }
+    return false;
+}
+
+@compute @workgroup_size(64)
+fn daa_trace_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
+    let ranks = daa_ranks(group.xy, lane, DAA_TILES_SURFACE);
+    // Where geometric samples are not worth rays, all have the bits of the first, which is traced.
+    var traces = true;
+    if daa_casting.samples == DAA_SAMPLES_GEOMETRIC && !daa_flag(DAA_FLAG_TRACE_ALL) && ranks.end > 0u {
+        traces = daa_worth_tracing(ranks.pixel);
+    }
+    var rays = 0u;
+    for (var i = ranks.first; i < ranks.end; i++) {
+        let caster = daa_caster(ranks, i);
+        if !caster.wanted {
+            continue;
+        }
+        var bits = vec2u(0u);
+        if traces {
+            let s = daa_fetch(caster.pixel, caster.rank, 1.0, vec2f(0.0));
+            if s.depth != 0.0 {
+                bits = daa_shadows_at(s.relative_position, s.normal, s.geometric_normal, s.object);
+            }
+        } else {
+            bits.x = daa_shadows[daa_sample_index(caster.pixel, 0u)];
+        }
+        if caster.inside {
+            daa_shadows[daa_sample_index(caster.pixel, caster.rank)] = bits.x;
+            if daa_casting.keeps != 0u {
+                // A sample may be cast for at a lattice's point and by the plan.
+                daa_shadows[daa_sample_index(caster.pixel, DAA_M * DAA_M + caster.rank)] += bits.y;
+            }
+        }
+        if daa_casting.samples == DAA_SAMPLES_POINTS {
+            daa_points[caster.found].x = bits.x;
+        }
+        rays += bits.y;
+    }
+    daa_group_rays[lane] = rays;
+    workgroupBarrier();
+    if lane == 0u {
+        var sum = 0u;
+        for (var i = 0u; i < 64u; i++) {
+            sum += daa_group_rays[i];
+        }
+        atomicAdd(&daa_statistics.shadow_rays, sum);
+    }
+}

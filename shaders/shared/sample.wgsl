@@ -1,0 +1,90 @@
+// Reads the G-buffer and makes the DaaSample of a pixel and a rank.
+
+// Not `texture_depth_2d`, which GLSL can't load from.
+@group(0) @binding(1) var daa_gbuffer_depth: texture_2d<f32>;
+@group(0) @binding(2) var daa_gbuffer_surface: texture_2d<u32>;
+@group(0) @binding(3) var daa_gbuffer_frame: texture_2d<u32>;
+@group(0) @binding(4) var daa_gbuffer_uv: texture_2d<u32>;
+
+/// Depths below are the sky. Above every denormal, so that flushing them changes nothing.
+const DAA_SKY_DEPTH: f32 = 1e-30;
+
+/// Of the sample there: 1 near, 0 far.
+fn daa_depth_at(at: vec2u) -> f32 {
+    return textureLoad(daa_gbuffer_depth, at, 0).x;
+}
+
+/// A sample's place among all, rank by rank and tile by tile.
+fn daa_sample_index(pixel: vec2u, rank: u32) -> u32 {
+    return rank * daa_tile_count() * 64u + daa_slot(pixel);
+}
+
+/// The audited tile of a workgroup; rows are shifted by 11, so that no column is left out for long. x may lie beyond the row.
+fn daa_audited_tile(group: vec2u) -> vec2u {
+    let period = daa_frame.audit.period;
+    let phase = (daa_frame.audit.phase + 11u * (period - group.y % period)) % period;
+    return vec2u(group.x * period + phase, group.y);
+}
+
+/// A rank's place in its window.
+fn daa_order(rank: u32) -> vec2u {
+    let code = daa_frame.order[rank >> 2u][rank & 3u];
+    return vec2u(code & 15u, (code >> 4u) & 15u);
+}
+
+/// The quadrants of its window whose sample a rank is, a bit each.
+fn daa_quadrants(rank: u32) -> u32 {
+    return (daa_frame.order[rank >> 2u][rank & 3u] >> 8u) & 15u;
+}
+
+/// The rank of a place.
+fn daa_rank_at(place: vec2u) -> u32 {
+    let i = place.y * DAA_M + place.x;
+    return daa_frame.order[i >> 2u][i & 3u] >> 16u;
+}
+
+/// From the camera to the point under G-buffer coordinates `xy` (in samples, y down) at depth `d`.
+fn daa_relative_position(xy: vec2f, d: f32) -> vec3f {
+    let ndc = xy / vec2f(daa_frame.size * DAA_M) * vec2f(2.0, -2.0) + vec2f(-1.0, 1.0);
+    let p = daa_frame.relative_from_clip * vec4f(ndc, d, 1.0);
+    return p.xyz / p.w;
+}
+
+/// `footprint` scales the uv gradients; `offset` moves the texture lookup along the surface, in samples.
+fn daa_fetch(pixel: vec2u, rank: u32, footprint: f32, offset: vec2f) -> DaaSample {
+    let at = pixel * DAA_M + daa_order(rank);
+    let surface = textureLoad(daa_gbuffer_surface, at, 0).xy;
+    let frame = textureLoad(daa_gbuffer_frame, at, 0).xy;
+    let uv = textureLoad(daa_gbuffer_uv, at, 0);
+    let d = daa_depth_at(at);
+    let valid = d > DAA_SKY_DEPTH;
+
+    var s: DaaSample;
+    s.pixel = pixel;
+    s.rank = rank;
+    // The sky has no distance: its direction is that of the near plane.
+    let relative = daa_relative_position(vec2f(at) + 0.5, select(1.0, d, valid));
+    let towards = select(-relative, -daa_frame.camera_forward, daa_frame.orthographic != 0u);
+    s.view = towards * inverseSqrt(max(dot(towards, towards), 1e-30));
+    s.relative_position = relative;
+    s.position = relative + daa_frame.camera_position;
+    s.depth = select(0.0, dot(relative, daa_frame.camera_forward), valid);
+    s.normal = daa_octahedral_decode(unpack2x16snorm(surface.x));
+    s.geometric_normal = daa_octahedral_decode(unpack4x8snorm(frame.x).xy);
+    s.tangent = daa_tangent_decode(s.normal, frame.x >> 16u);
+    s.material = surface.y & 0xffffu;
+    s.object = surface.y >> 16u;
+    s.user = frame.y;
+    let ddx = unpack2x16float(uv.z);
+    let ddy = unpack2x16float(uv.w);
+    s.uv = bitcast<vec2f>(uv.xy) + ddx * offset.x + ddy * offset.y;
+    s.ddx = ddx * footprint;
+    s.ddy = ddy * footprint;
+    // Tiles of nothing but sky are not traced.
+    s.shadow = select(0u, daa_shadow_bits(pixel, rank), valid);
+    let code = daa_secondary_code(pixel, rank);
+    let apart = daa_flag(DAA_FLAG_SECONDARY_APART);
+    s.secondary = select(daa_radiance_decode(code), vec3f(0.0), apart);
+    s.traced = u32(code != 0u);
+    return s;
+}

@@ -1,0 +1,260 @@
+//! A pass as data: its module, what it binds, and what it runs. Layouts, bind groups, reads and writes all come from that one list.
+
+use crate::gpu::casting::CastingUniform;
+use crate::gpu::frame_uniform::FrameUniform;
+use crate::gpu::lattice::StepUniform;
+use crate::gpu::modules::{Base, Module};
+use crate::gpu::sizes::{IMAGE_FORMAT, WORK_BYTES};
+use crate::host::graph::{Part, PassKind, Resource, ResourceSet, Rounds, Stage};
+use crate::host::needs::RayInputs;
+use crate::rays::RayTier;
+
+/// Group of a pass's own bindings. Group 0 is the frame's, 1 the texture table's, 2 the host's.
+pub(crate) const OWN_GROUP: u32 = 3;
+
+/// Something that passes bind.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) enum Slot {
+    Part(Part),
+    /// `DaaStep`: the pass's place among the lattices.
+    Step,
+    /// `DaaCasting`: the samples that cast rays, and the lights.
+    Casting,
+    /// What the host says of its materials and objects.
+    Marks,
+    /// A bit for each material: it sends rays.
+    Bouncing,
+    /// Squared errors of audited tiles.
+    Audits,
+    /// Takes the counts of audited samples, which are nobody's.
+    AuditedCounters,
+    /// What is counted of a host's input.
+    InputCounts,
+    /// The ray scene: its nodes, or its top level where the adapter traces.
+    RayNodes,
+    RayGeometry,
+    RayTop,
+}
+
+impl Slot {
+    /// What a graph knows it as. `None`: nothing that a pass hands to another.
+    pub fn resource(self) -> Option<Resource> {
+        match self {
+            Self::Part(part) => Some(part.resource()),
+            Self::Audits => Some(Resource::Statistics),
+            Self::RayNodes | Self::RayGeometry | Self::RayTop => Some(Resource::Rays),
+            Self::Step | Self::Casting | Self::Marks | Self::Bouncing | Self::AuditedCounters | Self::InputCounts => {
+                None
+            }
+        }
+    }
+
+    /// Whether it goes with the frame's ray scene.
+    pub fn is_of_scene(self) -> bool {
+        self.resource() == Some(Resource::Rays)
+    }
+}
+
+/// What a shader does with a binding.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Access {
+    Read,
+    /// Adds to it, or writes what nobody has written before in this frame.
+    Write,
+    /// Also reads what earlier passes have written.
+    Update,
+}
+
+/// A binding of a pass at [`OWN_GROUP`].
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Binding {
+    pub index: u32,
+    /// In WGSL.
+    pub name: &'static str,
+    pub slot: Slot,
+    /// What its declaration allows.
+    pub access: Access,
+    /// What this pass does of it. `None`: it is bound because other passes with the same shader use it.
+    pub used: Option<Access>,
+}
+
+impl Binding {
+    pub const fn read(index: u32, name: &'static str, slot: Slot) -> Self {
+        Self { index, name, slot, access: Access::Read, used: Some(Access::Read) }
+    }
+
+    pub const fn write(index: u32, name: &'static str, slot: Slot) -> Self {
+        Self { index, name, slot, access: Access::Write, used: Some(Access::Write) }
+    }
+
+    pub const fn update(index: u32, name: &'static str, slot: Slot) -> Self {
+        Self { index, name, slot, access: Access::Update, used: Some(Access::Update) }
+    }
+
+    /// Bound for other passes' sake unless this pass uses it.
+    pub const fn if_used(self, used: bool) -> Self {
+        if used { self } else { Self { used: None, ..self } }
+    }
+
+    /// Declared to be written too, for other passes' sake.
+    pub const fn only_read(self) -> Self {
+        Self { used: Some(Access::Read), ..self }
+    }
+
+    /// What WGSL declares it as, on a tier of rays.
+    pub fn ty(&self, tier: RayTier) -> wgpu::BindingType {
+        let read_only = self.access == Access::Read;
+        let buffer = |ty, has_dynamic_offset, bytes| wgpu::BindingType::Buffer {
+            ty,
+            has_dynamic_offset,
+            min_binding_size: wgpu::BufferSize::new(bytes),
+        };
+        let storage = wgpu::BufferBindingType::Storage { read_only };
+        match self.slot {
+            Slot::Part(Part::First | Part::Color) if read_only => wgpu::BindingType::Texture {
+                sample_type: wgpu::TextureSampleType::Float { filterable: false },
+                view_dimension: wgpu::TextureViewDimension::D2,
+                multisampled: false,
+            },
+            Slot::Part(Part::First | Part::Color) => wgpu::BindingType::StorageTexture {
+                access: wgpu::StorageTextureAccess::WriteOnly,
+                format: IMAGE_FORMAT,
+                view_dimension: wgpu::TextureViewDimension::D2,
+            },
+            // A reader has the part of one round; the writer has all of it.
+            Slot::Part(Part::PixelListWork | Part::SampleListWork) if read_only => buffer(storage, true, WORK_BYTES),
+            Slot::Step => buffer(wgpu::BufferBindingType::Uniform, true, size_of::<StepUniform>() as u64),
+            Slot::Casting => buffer(wgpu::BufferBindingType::Uniform, true, size_of::<CastingUniform>() as u64),
+            Slot::RayNodes if tier == RayTier::Query => {
+                wgpu::BindingType::AccelerationStructure { vertex_return: false }
+            }
+            _ => buffer(storage, false, 0),
+        }
+    }
+
+    /// The bytes of a binding with a dynamic offset.
+    pub fn dynamic(&self) -> Option<wgpu::BufferSize> {
+        match self.ty(RayTier::Software) {
+            wgpu::BindingType::Buffer { has_dynamic_offset: true, min_binding_size, .. } => min_binding_size,
+            _ => None,
+        }
+    }
+}
+
+/// Names of a pass on the lattices of [`Level`](crate::gpu::lattice::Level), in its order.
+macro_rules! by_level {
+    ($name:literal) => {
+        &[$name, concat!($name, " shifted"), concat!($name, " 1/2"), concat!($name, " 1/4"), concat!($name, " 1/8")]
+    };
+}
+pub(crate) use by_level;
+
+/// A pass: all that there is to say about it but what its shader does.
+#[derive(Debug)]
+pub(crate) struct PassData {
+    /// Its name, or its names by the lattice that it works on.
+    pub names: &'static [&'static str],
+    pub kind: PassKind,
+    pub module: &'static Module,
+    /// Whether it reads the G-buffer.
+    pub gbuffer: bool,
+    pub bindings: &'static [Binding],
+    pub stages: &'static [Stage],
+    pub rounds: Rounds,
+}
+
+impl PartialEq for PassData {
+    /// Each is declared once.
+    fn eq(&self, other: &Self) -> bool {
+        std::ptr::eq(self, other)
+    }
+}
+
+impl PassData {
+    /// The bindings of a stage.
+    pub fn bound(&self, stage: &Stage) -> impl Iterator<Item = &'static Binding> + use<> {
+        let without = stage.without;
+        self.bindings.iter().filter(move |binding| !without.contains(&binding.name))
+    }
+
+    /// Whether it shades, or judges, samples that bring along what rays found.
+    pub fn reads_found(&self) -> bool {
+        matches!(self.module.base, Base::Found | Base::Shading)
+    }
+
+    fn used(&self, inputs: RayInputs) -> impl Iterator<Item = (Resource, Access)> {
+        let own = self.bindings.iter().filter_map(|binding| Some((binding.slot.resource()?, binding.used?)));
+        let given = [
+            (self.gbuffer, Resource::GBuffer),
+            (self.module.base.has_host(), Resource::Host),
+            (self.reads_found() && inputs.any(), Resource::Traced),
+        ];
+        own.chain(given.into_iter().filter(|(is, _)| *is).map(|(_, resource)| (resource, Access::Read)))
+    }
+
+    /// What must be finished before, in a frame with these inputs from rays.
+    pub fn reads(&self, inputs: RayInputs) -> ResourceSet {
+        self.used(inputs).filter(|used| used.1 != Access::Write).map(|used| used.0).collect()
+    }
+
+    /// What it changes.
+    pub fn writes(&self, inputs: RayInputs) -> ResourceSet {
+        let drawn = self.draws().then_some(Resource::Target);
+        let written = self.used(inputs).filter(|used| used.1 != Access::Read).map(|used| used.0);
+        written.chain(drawn).collect()
+    }
+
+    /// Whether it draws over the target.
+    pub fn draws(&self) -> bool {
+        self.stages.iter().any(|stage| stage.grid == crate::host::graph::Grid::Target)
+    }
+}
+
+/// The layout of a stage's own group.
+pub(crate) fn layout(device: &wgpu::Device, pass: &PassData, stage: &Stage, tier: RayTier) -> wgpu::BindGroupLayout {
+    let visibility = if pass.draws() { wgpu::ShaderStages::FRAGMENT } else { wgpu::ShaderStages::COMPUTE };
+    let entry = |binding: &Binding| wgpu::BindGroupLayoutEntry {
+        binding: binding.index,
+        visibility,
+        ty: binding.ty(tier),
+        count: None,
+    };
+    let entries: Vec<_> = pass.bound(stage).map(entry).collect();
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(stage.entry), entries: &entries })
+}
+
+/// The layout of group 0: the frame's constants, the G-buffer, and what rays found.
+pub(crate) fn frame_layout(device: &wgpu::Device, inputs: RayInputs) -> wgpu::BindGroupLayout {
+    let visibility = wgpu::ShaderStages::COMPUTE | wgpu::ShaderStages::FRAGMENT;
+    let texture = |binding, sample_type| wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility,
+        ty: wgpu::BindingType::Texture {
+            sample_type,
+            view_dimension: wgpu::TextureViewDimension::D2,
+            multisampled: false,
+        },
+        count: None,
+    };
+    let buffer = |binding, visibility, ty, has_dynamic_offset, bytes| wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility,
+        ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: wgpu::BufferSize::new(bytes) },
+        count: None,
+    };
+    let bytes = size_of::<FrameUniform>() as u64;
+    let found = wgpu::BufferBindingType::Storage { read_only: true };
+    let mut entries = vec![
+        buffer(0, visibility, wgpu::BufferBindingType::Uniform, true, bytes),
+        texture(1, wgpu::TextureSampleType::Float { filterable: false }),
+        texture(2, wgpu::TextureSampleType::Uint),
+        texture(3, wgpu::TextureSampleType::Uint),
+        texture(4, wgpu::TextureSampleType::Uint),
+    ];
+    for (binding, has) in [(5, inputs.shadows), (6, inputs.secondary)] {
+        if has {
+            entries.push(buffer(binding, wgpu::ShaderStages::COMPUTE, found, false, 0));
+        }
+    }
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("daa frame"), entries: &entries })
+}

@@ -1,0 +1,171 @@
+//! What a node holds whatever its size: the uniforms, what the host says of its materials and objects, and audits. Each is made when
+//! a frame first needs it.
+
+use crate::gpu::audited;
+use crate::gpu::binding::{Access, Slot};
+use crate::gpu::casting::{CastSamples, CastingUniform};
+use crate::gpu::frame_uniform::FrameUniform;
+use crate::gpu::lattice::{LatticeStep, StepUniform};
+use crate::gpu::uniforms::Ring;
+use crate::host::error::RecordError;
+use crate::host::needs::{Needs, ObjectImportance};
+use crate::host::statistics::COUNTER_BYTES;
+use std::sync::OnceLock;
+
+/// Materials and objects that a G-buffer tells apart.
+const NAMES: usize = 1 << 16;
+/// A bit for each material, a byte for each object: `daa_marks` of select.wgsl.
+const MARKS_BYTES: u64 = NAMES as u64 / 8 + NAMES as u64;
+/// A bit for each material: `daa_bouncing` of bounce.wgsl.
+const BOUNCING_BYTES: u64 = NAMES as u64 / 8;
+
+/// The buffers of a node.
+#[derive(Debug)]
+pub(crate) struct NodeBuffers {
+    device: wgpu::Device,
+    pub frames: Ring<FrameUniform>,
+    steps: OnceLock<Ring<StepUniform>>,
+    casting: OnceLock<Ring<CastingUniform>>,
+    marks: OnceLock<wgpu::Buffer>,
+    bouncing: OnceLock<wgpu::Buffer>,
+    audits: OnceLock<wgpu::Buffer>,
+    audited_counters: OnceLock<wgpu::Buffer>,
+    /// Stand in where a pass binds what it does not use: one that is read, and one that might be written.
+    nothing: OnceLock<[wgpu::Buffer; 2]>,
+    marked: (Vec<u32>, Vec<ObjectImportance>),
+    sending: Vec<u32>,
+}
+
+impl NodeBuffers {
+    pub fn new(device: &wgpu::Device) -> Self {
+        Self {
+            device: device.clone(),
+            // The slot beyond is the input check's.
+            frames: Ring::new(device, "daa frame", 1, 1),
+            steps: OnceLock::new(),
+            casting: OnceLock::new(),
+            marks: OnceLock::new(),
+            bouncing: OnceLock::new(),
+            audits: OnceLock::new(),
+            audited_counters: OnceLock::new(),
+            nothing: OnceLock::new(),
+            marked: Default::default(),
+            sending: Vec::new(),
+        }
+    }
+
+    /// `DaaStep`, a slot for each frame and place among the lattices.
+    pub fn steps(&self) -> &Ring<StepUniform> {
+        self.steps.get_or_init(|| Ring::new(&self.device, "daa steps", LatticeStep::COUNT, 0))
+    }
+
+    /// `DaaCasting`, a slot for each frame and each [`CastSamples`].
+    pub fn casting(&self) -> &Ring<CastingUniform> {
+        self.casting.get_or_init(|| Ring::new(&self.device, "daa casting", CastSamples::COUNT, 0))
+    }
+
+    /// Squared errors by audited tile, as they are and with a step less of effort.
+    pub fn audits(&self) -> &wgpu::Buffer {
+        self.audits.get_or_init(|| self.storage("daa audits", audited::BYTES, wgpu::BufferUsages::COPY_SRC))
+    }
+
+    fn marks(&self) -> &wgpu::Buffer {
+        self.marks.get_or_init(|| self.storage("daa marks", MARKS_BYTES, wgpu::BufferUsages::COPY_DST))
+    }
+
+    fn bouncing(&self) -> &wgpu::Buffer {
+        self.bouncing.get_or_init(|| self.storage("daa bouncing", BOUNCING_BYTES, wgpu::BufferUsages::COPY_DST))
+    }
+
+    fn storage(&self, label: &str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
+        self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size,
+            usage: wgpu::BufferUsages::STORAGE | usage,
+            mapped_at_creation: false,
+        })
+    }
+
+    /// A buffer to bind where a pass uses nothing.
+    pub fn nothing(&self, access: Access) -> &wgpu::Buffer {
+        let made = || {
+            ["daa nothing", "daa nothing written"].map(|label| self.storage(label, 256, wgpu::BufferUsages::empty()))
+        };
+        &self.nothing.get_or_init(made)[usize::from(access != Access::Read)]
+    }
+
+    /// The buffer of a slot that is the node's; `None` of one that is not.
+    pub fn of(&self, slot: Slot) -> Option<&wgpu::Buffer> {
+        Some(match slot {
+            Slot::Step => &self.steps().buffer,
+            Slot::Casting => &self.casting().buffer,
+            Slot::Marks => self.marks(),
+            Slot::Bouncing => self.bouncing(),
+            Slot::Audits => self.audits(),
+            Slot::AuditedCounters => self
+                .audited_counters
+                .get_or_init(|| self.storage("daa audited statistics", COUNTER_BYTES, wgpu::BufferUsages::empty())),
+            Slot::Part(_) | Slot::InputCounts | Slot::RayNodes | Slot::RayGeometry | Slot::RayTop => return None,
+        })
+    }
+
+    /// Bytes of marks held.
+    pub fn marks_held(&self) -> u64 {
+        self.marks.get().map_or(0, wgpu::Buffer::size)
+    }
+
+    /// Bytes held for rays.
+    pub fn rays_held(&self) -> u64 {
+        let casting = self.casting.get().map(|ring| &ring.buffer);
+        casting.into_iter().chain(self.bouncing.get()).map(wgpu::Buffer::size).sum()
+    }
+
+    /// Writes the marks of materials and objects, checked, if they differ from the last frame's.
+    pub fn write_marks(&mut self, queue: &wgpu::Queue, needs: &Needs<'_>) {
+        let (textured, importance) = &mut self.marked;
+        if textured == needs.textured && importance == needs.importance {
+            // Untouched buffers are 0.
+            return;
+        }
+        *textured = needs.textured.to_vec();
+        *importance = needs.importance.to_vec();
+        let mut bytes = vec![0; MARKS_BYTES as usize];
+        for &material in needs.textured {
+            bytes[material as usize / 8] |= 1 << (material % 8);
+        }
+        for mark in needs.importance {
+            bytes[NAMES / 8 + mark.object as usize] = (mark.importance * 255.0).round() as u8;
+        }
+        queue.write_buffer(self.marks(), 0, &bytes);
+    }
+
+    /// Writes the materials that send rays if they differ from the last frame's.
+    pub fn write_bouncing(&mut self, queue: &wgpu::Queue, materials: &[u32]) {
+        let mut bits = [0; NAMES / 32];
+        for &material in materials {
+            bits[(material & 0xffff) as usize / 32] |= 1 << (material % 32);
+        }
+        if self.sending[..] != bits {
+            self.sending.clear();
+            self.sending.extend(bits);
+            queue.write_buffer(self.bouncing(), 0, bytemuck::cast_slice(&self.sending));
+        }
+    }
+}
+
+/// Names the first mark of a material or an object that is none.
+pub(crate) fn check_marks(needs: &Needs<'_>) -> Result<(), RecordError> {
+    if let Some(index) = needs.textured.iter().position(|&material| material as usize >= NAMES) {
+        return Err(RecordError::TexturedMaterial { index, material: needs.textured[index] });
+    }
+    for (index, mark) in needs.importance.iter().enumerate() {
+        if mark.object as usize >= NAMES {
+            return Err(RecordError::ImportantObject { index, object: mark.object });
+        }
+        // Written so that NaN fails.
+        if !(0.0..=1.0).contains(&mark.importance) {
+            return Err(RecordError::Importance { index, importance: mark.importance });
+        }
+    }
+    Ok(())
+}

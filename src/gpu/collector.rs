@@ -1,0 +1,194 @@
+//! What frames did, on its way from the GPU: counters, times and audits, none of which is ever waited for.
+
+use crate::goal::{Controller, Measured};
+use crate::gpu::audited::{self, Audited};
+use crate::gpu::readback::ReadBack;
+use crate::gpu::sizes::tiles;
+use crate::host::statistics::{COUNTER_BYTES, Counters, PassTime, Statistics, TileCounts};
+use crate::settings::Technique;
+use crate::techniques::{self, Windows};
+
+/// Frames whose statistics may be under way at once.
+const IN_FLIGHT: usize = 4;
+/// Passes that are timed at first; more are once a frame has more.
+const TIMED: usize = 32;
+/// Where the timestamps lie in a read-back buffer, aligned as `resolve_query_set` copies want it.
+const TIMESTAMPS_AT: u64 = COUNTER_BYTES.next_multiple_of(8);
+
+/// What the CPU knows of a recorded frame.
+#[derive(Debug, Clone)]
+pub(crate) struct Recorded {
+    pub frame: u64,
+    pub technique: Technique,
+    pub size: [u32; 2],
+    pub m: u32,
+    /// With a goal.
+    pub effort: Option<f32>,
+    /// With an audit.
+    pub audited: Option<Audited>,
+    /// Names of its passes.
+    pub passes: Vec<&'static str>,
+}
+
+#[derive(Debug)]
+struct Slot {
+    read_back: ReadBack,
+    recorded: Option<Recorded>,
+}
+
+/// Room for the times of so many passes.
+#[derive(Debug)]
+struct Timing {
+    queries: Option<(wgpu::QuerySet, wgpu::Buffer)>,
+    passes: usize,
+    slots: Vec<Slot>,
+}
+
+impl Timing {
+    fn new(device: &wgpu::Device, passes: usize) -> Self {
+        let bytes = passes as u64 * 16;
+        let timed = device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
+        let queries = timed.then(|| {
+            let set = device.create_query_set(&wgpu::QuerySetDescriptor {
+                label: Some("daa"),
+                ty: wgpu::QueryType::Timestamp,
+                count: (passes * 2) as u32,
+            });
+            let resolved = device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("daa timestamps"),
+                size: bytes,
+                usage: wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
+                mapped_at_creation: false,
+            });
+            (set, resolved)
+        });
+        let read_back = || ReadBack::new(device, "daa statistics read-back", TIMESTAMPS_AT + bytes + audited::BYTES);
+        let slots = (0..IN_FLIGHT).map(|_| Slot { read_back: read_back(), recorded: None }).collect();
+        Self { queries, passes, slots }
+    }
+
+    /// Where the audited errors lie in a read-back buffer.
+    fn audits_at(&self) -> u64 {
+        TIMESTAMPS_AT + self.passes as u64 * 16
+    }
+}
+
+/// A ring of read-backs.
+#[derive(Debug)]
+pub(crate) struct Collector {
+    timing: Timing,
+    nanoseconds_per_tick: f64,
+    latest: Option<Statistics>,
+}
+
+impl Collector {
+    pub fn new(device: &wgpu::Device) -> Self {
+        Self { timing: Timing::new(device, TIMED), nanoseconds_per_tick: 1.0, latest: None }
+    }
+
+    /// Makes room for the times of so many passes, if there is not enough. What is under way is lost then.
+    pub fn reserve(&mut self, device: &wgpu::Device, passes: usize) {
+        if passes > self.timing.passes {
+            self.timing = Timing::new(device, passes.next_multiple_of(TIMED));
+        }
+    }
+
+    /// The query set and the indices at which pass number `pass` of the frame writes its begin and end.
+    pub fn timestamps(&self, pass: usize) -> Option<(&wgpu::QuerySet, u32, u32)> {
+        let (set, _) = self.timing.queries.as_ref().filter(|_| pass < self.timing.passes)?;
+        Some((set, pass as u32 * 2, pass as u32 * 2 + 1))
+    }
+
+    /// Records the copies of a frame's counters. Without a free slot the frame goes uncounted: the host reads too rarely.
+    pub fn collect(
+        &mut self,
+        queue: &wgpu::Queue,
+        encoder: &mut wgpu::CommandEncoder,
+        counters: &wgpu::Buffer,
+        audits: Option<&wgpu::Buffer>,
+        recorded: Recorded,
+    ) {
+        self.nanoseconds_per_tick = f64::from(queue.get_timestamp_period());
+        let audits_at = self.timing.audits_at();
+        let Some(slot) = self.timing.slots.iter_mut().find(|slot| slot.read_back.is_free()) else { return };
+        let to = &slot.read_back.buffer;
+        encoder.copy_buffer_to_buffer(counters, 0, to, 0, COUNTER_BYTES);
+        if let Some((set, resolved)) = &self.timing.queries {
+            encoder.resolve_query_set(set, 0..recorded.passes.len() as u32 * 2, resolved, 0);
+            encoder.copy_buffer_to_buffer(resolved, 0, to, TIMESTAMPS_AT, resolved.size());
+        }
+        if let Some(audits) = audits.filter(|_| recorded.audited.is_some()) {
+            encoder.copy_buffer_to_buffer(audits, 0, to, audits_at, audited::BYTES);
+        }
+        slot.recorded = Some(recorded);
+        slot.read_back.send(encoder);
+    }
+
+    /// Takes in what has arrived, oldest first.
+    pub fn poll(&mut self, controller: &mut Controller) {
+        let timed = self.timing.queries.is_some().then_some(self.nanoseconds_per_tick);
+        let audits_at = self.timing.audits_at() as usize;
+        let age = |slot: &Slot| slot.recorded.as_ref().map_or(0, |recorded| recorded.frame);
+        while let Some(slot) = self.timing.slots.iter_mut().filter(|s| s.read_back.is_ready()).min_by_key(|s| age(s)) {
+            let Some(recorded) = slot.recorded.take() else {
+                slot.read_back.take(|_| ());
+                continue;
+            };
+            let taken = slot.read_back.take(|bytes| {
+                let mut read = read(bytes, &recorded, timed);
+                if let Some(effort) = recorded.effort {
+                    let errors: Vec<[f32; 2]> = bytemuck::pod_collect_to_vec(&bytes[audits_at..]);
+                    let milliseconds = read.passes.iter().map(|pass| pass.milliseconds).sum();
+                    let audits = recorded.audited.map(|audited| (audited, &errors[..]));
+                    controller.learn(&Measured { effort, milliseconds, audits });
+                    read.goal = controller.progress(effort);
+                }
+                read
+            });
+            if let Some(read) = taken
+                && self.latest.as_ref().is_none_or(|latest| latest.frame < read.frame)
+            {
+                self.latest = Some(read);
+            }
+        }
+    }
+
+    /// The newest frame whose counters have arrived.
+    pub fn latest(&self) -> Option<&Statistics> {
+        self.latest.as_ref()
+    }
+}
+
+fn read(bytes: &[u8], recorded: &Recorded, nanoseconds_per_tick: Option<f64>) -> Statistics {
+    let counters: Counters = bytemuck::pod_read_unaligned(&bytes[..COUNTER_BYTES as usize]);
+    let n = (recorded.m * recorded.m) as usize;
+    let windows = u64::from(recorded.size[0]) * u64::from(recorded.size[1]);
+    let counted = techniques::of(recorded.technique).count(&counters, Windows { n, windows });
+    let ticks: Vec<u64> =
+        bytes[TIMESTAMPS_AT as usize..].as_chunks::<8>().0.iter().map(|&b| u64::from_le_bytes(b)).collect();
+    let milliseconds = |i: usize| {
+        nanoseconds_per_tick.map(|period| ticks[2 * i + 1].saturating_sub(ticks[2 * i]) as f64 * period * 1e-6)
+    };
+    let passes = recorded.passes.iter().enumerate();
+    let [x, y] = tiles(recorded.size);
+    Statistics {
+        frame: recorded.frame,
+        technique: recorded.technique,
+        shaded: counted.shaded,
+        ratio: counted.shaded as f64 / (windows * n as u64) as f64,
+        mean_k: counted.shaded as f64 / windows as f64,
+        histogram_k: counted.histogram_k,
+        decided: counted.decided,
+        quadrants: counters.quadrants,
+        points: counters.points,
+        not_finite: counters.not_finite,
+        negative: counters.negative,
+        overflowed_tiles: counters.overflowed_tiles,
+        shadow_rays: counters.shadow_rays,
+        reflection_rays: counters.reflection_rays,
+        refraction_rays: counters.refraction_rays,
+        tiles: TileCounts { all: x * y, surface: counters.tiles[0], bounce: counters.tiles[1] },
+        goal: None,
+        passes: passes.map(|(i, &name)| PassTime { name, milliseconds: milliseconds(i) }).collect(),
+    }
+}

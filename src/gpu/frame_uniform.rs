@@ -1,0 +1,190 @@
+//! The frame's constants as shaders have them: `DaaFrame` of frame.wgsl. Techniques fill in their own part.
+
+use crate::TILE;
+use crate::gpu::audited::Audited;
+use crate::host::error::RecordError;
+use crate::host::frame::Frame;
+use crate::host::needs::RayInputs;
+use crate::settings::{Effect, Weight, Windowed};
+use crate::window;
+use bytemuck::{Pod, Zeroable};
+
+/// `DaaWindowed` of frame.wgsl.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub(crate) struct WindowedUniform {
+    pub depth_scale: f32,
+    pub normal_scale: f32,
+    pub luminance_scale: f32,
+    pub luminance_min: f32,
+    pub luminance_edge: f32,
+    pub identity_samples: f32,
+    pub shadow_samples: f32,
+    pub padding: u32,
+}
+
+/// `DaaAudit` of frame.wgsl.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub(crate) struct AuditUniform {
+    pub period: u32,
+    pub phase: u32,
+    pub step: f32,
+    pub least_samples: f32,
+}
+
+/// `DaaReconstruct` of frame.wgsl.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub(crate) struct ReconstructUniform {
+    pub samples: u32,
+    pub depth_scale: f32,
+    pub normal_scale: f32,
+    pub contrast_scale: f32,
+    pub contrast_min: f32,
+    pub least_weight: f32,
+    pub padding: [u32; 2],
+}
+
+/// `DaaSelective` of frame.wgsl.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub(crate) struct SelectiveUniform {
+    pub primary: [f32; 4],
+    pub secondary: [f32; 4],
+    pub color: f32,
+    pub contrast_min: f32,
+    pub normal_cosine: f32,
+    pub samples: u32,
+}
+
+/// `DaaMultiResolution` of frame.wgsl.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub(crate) struct MultiResolutionUniform {
+    pub color: f32,
+    pub position: f32,
+    pub padding: [u32; 2],
+}
+
+/// `DaaFrame` of frame.wgsl.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub(crate) struct FrameUniform {
+    pub relative_from_clip: [[f32; 4]; 4],
+    pub camera_position: [f32; 3],
+    pub exposure: f32,
+    pub camera_forward: [f32; 3],
+    pub orthographic: u32,
+    pub size: [u32; 2],
+    pub tiles_x: u32,
+    pub flags: u32,
+    pub footprint: f32,
+    pub least_samples: f32,
+    pub tile_limit: u32,
+    pub casting: u32,
+    pub view: u32,
+    pub padding: [u32; 3],
+    pub windowed: WindowedUniform,
+    pub audit: AuditUniform,
+    pub reconstruct: ReconstructUniform,
+    pub selective: SelectiveUniform,
+    pub multi_resolution: MultiResolutionUniform,
+    pub order: [[u32; 4]; 16],
+    pub centres: [[f32; 4]; 32],
+}
+
+/// Bits of `DaaFrame::flags`. A test reads their values from the shader.
+pub(crate) mod flag {
+    pub const DEPTH_PLANE: u32 = 1;
+    pub const TWO_SIDED: u32 = 2;
+    pub const LUMINANCE_PERCEPTUAL: u32 = 4;
+    pub const LUMINANCE_CENTRE: u32 = 8;
+    pub const WEIGHT_LUMINANCE: u32 = 16;
+    pub const FULL: u32 = 32;
+    pub const EDGE_AWARE_FIRST: u32 = 128;
+    pub const PLANES: u32 = 256;
+    pub const CUT_IDENTITY: u32 = 512;
+    pub const CUT_SHADOW: u32 = 1024;
+    pub const OWN_FIRST: u32 = 2048;
+    pub const TRACE_ALL: u32 = 4096;
+    pub const REFLECTIONS: u32 = 8192;
+    pub const REFRACTIONS: u32 = 16384;
+    pub const SECONDARY_APART: u32 = 32768;
+    pub const SELECTIVE: u32 = 1 << 16;
+    pub const SHADOW_LIGHTS: u32 = 1 << 17;
+    pub const BILINEAR: u32 = 1 << 18;
+    pub const FOCUSED: u32 = 1 << 19;
+    pub const BY_LUMINANCE: u32 = 1 << 20;
+    pub const BY_GRADIENT: u32 = 1 << 21;
+    pub const VETO: u32 = 1 << 22;
+    pub const WEIGHTED: u32 = 1 << 23;
+    pub const SUPERSAMPLED: u32 = 1 << 24;
+    pub const LATTICE: u32 = 1 << 25;
+    pub const BOUNCES: u32 = 1 << 26;
+}
+
+impl FrameUniform {
+    /// What every technique has. The samples are in [`window::order`], each with its own texture footprint; no technique's part is
+    /// filled in.
+    pub fn new(frame: &Frame<'_>, size: [u32; 2], m: u32, audited: Audited) -> Result<Self, RecordError> {
+        let (relative_from_clip, position, forward) = frame.camera.relative()?;
+        if !(frame.exposure.is_finite() && frame.exposure > 0.0) {
+            return Err(RecordError::Exposure(frame.exposure));
+        }
+        let inputs = RayInputs::of(&frame.settings, &frame.needs);
+        let mut uniform = Self {
+            relative_from_clip: relative_from_clip.to_cols_array_2d(),
+            camera_position: position.to_array(),
+            exposure: frame.exposure,
+            camera_forward: forward.to_array(),
+            orthographic: u32::from(frame.camera.is_orthographic()),
+            size,
+            tiles_x: size[0].div_ceil(TILE),
+            footprint: 1.0,
+            least_samples: 1.0,
+            tile_limit: Windowed::NO_TILE_LIMIT,
+            casting: if inputs.shadows { frame.needs.shadows.len() as u32 } else { 0 },
+            view: frame.settings.view as u32,
+            audit: AuditUniform {
+                period: audited.period,
+                phase: audited.phase,
+                step: audited.step,
+                least_samples: 1.0,
+            },
+            ..Zeroable::zeroed()
+        };
+        uniform.flag(flag::WEIGHT_LUMINANCE, frame.settings.weight == Weight::Luminance);
+        uniform.flag(flag::REFLECTIONS, frame.settings.reflections != Effect::Off);
+        uniform.flag(flag::REFRACTIONS, frame.settings.refraction != Effect::Off);
+        uniform.flag(flag::BOUNCES, inputs.secondary);
+        uniform.set_order(m, &window::order(m));
+        Ok(uniform)
+    }
+
+    /// Sets a flag if it is on.
+    pub fn flag(&mut self, bit: u32, on: bool) {
+        self.flags |= if on { bit } else { 0 };
+    }
+
+    /// The places of a window's samples in the order in which they are shaded.
+    pub fn set_order(&mut self, m: u32, places: &[(u8, u8)]) {
+        self.order = Zeroable::zeroed();
+        for (rank, &(x, y)) in places.iter().enumerate() {
+            self.order[rank / 4][rank % 4] |= u32::from(x) | u32::from(y) << 4 | window::quadrants(m, x, y) << 8;
+            let place = usize::from(y) * m as usize + usize::from(x);
+            self.order[place / 4][place % 4] |= (rank as u32) << 16;
+        }
+    }
+
+    /// From the mean place of the first k samples to the window's centre, for each k.
+    pub fn set_centres(&mut self, m: u32, places: &[(u8, u8)]) {
+        let mut sum = [0.0; 2];
+        for (rank, &(x, y)) in places.iter().enumerate() {
+            for (axis, place) in [x, y].into_iter().enumerate() {
+                sum[axis] += f32::from(place);
+                self.centres[rank / 2][rank % 2 * 2 + axis] = (m - 1) as f32 * 0.5 - sum[axis] / (rank + 1) as f32;
+            }
+        }
+    }
+}

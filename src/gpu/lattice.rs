@@ -1,0 +1,198 @@
+//! Lattices of points over the G-buffer: which a frame goes through, from which to which. Geometry: lattice.wgsl.
+
+use crate::host::graph::LatticeShape;
+use crate::settings::{MultiResolution, Pattern};
+
+/// `DAA_EQUILATERAL_ROW` of lattice.wgsl: the height of an equilateral triangle of side 1, in 65536ths.
+const EQUILATERAL_ROW: u32 = 56756;
+
+/// A lattice of a frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) enum Level {
+    /// First samples of all pixels.
+    Pixels,
+    /// One point a pixel, rows of triangles.
+    Shifted,
+    Half,
+    Quarter,
+    Eighth,
+}
+
+impl Level {
+    pub const COUNT: usize = 5;
+
+    /// log2 of its pitch in pixels.
+    fn pitch(self) -> u32 {
+        match self {
+            Self::Pixels | Self::Shifted => 0,
+            Self::Half => 1,
+            Self::Quarter => 2,
+            Self::Eighth => 3,
+        }
+    }
+}
+
+/// What a lattice is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) enum LatticeUse {
+    Shading,
+    Rays,
+}
+
+impl LatticeUse {
+    pub const ALL: [Self; 2] = [Self::Shading, Self::Rays];
+}
+
+/// Lattices from the coarsest to the finest, which are the points that are shaded, or those that are shaded and want rays.
+pub(crate) fn levels(settings: &MultiResolution, of: LatticeUse) -> impl Iterator<Item = Level> + Clone + use<> {
+    let coarsest = match of {
+        LatticeUse::Shading => settings.shading.coarsest,
+        LatticeUse::Rays => settings.rays.coarsest,
+    };
+    let coarse = [Level::Eighth, Level::Quarter, Level::Half].map(|level| (level.pitch() <= coarsest).then_some(level));
+    let shifted = (settings.shading.pattern != Pattern::Quad).then_some(Level::Shifted);
+    let fine = match of {
+        LatticeUse::Shading => [shifted, Some(Level::Pixels)],
+        LatticeUse::Rays => [Some(Level::Pixels), shifted],
+    };
+    coarse.into_iter().chain(fine).flatten()
+}
+
+/// `DaaLattice` of lattice.wgsl.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub(crate) struct LatticeUniform {
+    pub kind: u32,
+    pub level: u32,
+    pub width: u32,
+    pub height: u32,
+    pub first: u32,
+    pub place: u32,
+    pub padding: [u32; 2],
+}
+
+/// `DaaStep` of lattice.wgsl.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub(crate) struct StepUniform {
+    pub points: LatticeUniform,
+    pub parents: LatticeUniform,
+    pub scale: [f32; 2],
+    pub coarsest: u32,
+    pub rays: u32,
+    pub found: u32,
+    pub padding: [u32; 3],
+}
+
+/// A place among the lattices of a frame: from the next coarser lattice to this one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) struct LatticeStep {
+    pub of: LatticeUse,
+    pub level: Level,
+}
+
+impl LatticeStep {
+    pub const COUNT: u64 = 2 * Level::COUNT as u64;
+
+    /// Below [`COUNT`](Self::COUNT).
+    pub fn index(self) -> u64 {
+        self.of as u64 * Level::COUNT as u64 + self.level as u64
+    }
+
+    /// The shape of its lattice, and of the next coarser one; of the coarsest its own.
+    pub fn shapes(self, settings: &MultiResolution) -> [LatticeShape; 2] {
+        let coarser = levels(settings, self.of).take_while(|&level| level != self.level).last();
+        [self.level, coarser.unwrap_or(self.level)].map(|level| shape(settings, self.of, level))
+    }
+}
+
+fn shape(settings: &MultiResolution, of: LatticeUse, level: Level) -> LatticeShape {
+    let pattern = match (of, level) {
+        (_, Level::Pixels) => Pattern::Quad,
+        (LatticeUse::Rays, Level::Half | Level::Quarter | Level::Eighth) => settings.rays.pattern,
+        _ => settings.shading.pattern,
+    };
+    LatticeShape { pattern, level: level.pitch() }
+}
+
+/// All steps of a frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct LatticeSteps {
+    steps: [[StepUniform; Level::COUNT]; 2],
+    /// Points of all lattices, and of those that are shaded.
+    points: [u32; 2],
+}
+
+impl LatticeSteps {
+    /// `rays`: 1 for shadows, 2 for what is reflected and refracted; 0: there are no lattices for them.
+    pub fn new(settings: &MultiResolution, size: [u32; 2], rays: u32) -> Self {
+        let mut made = Self { steps: Default::default(), points: [0; 2] };
+        // The image is taken from the lattice of the pixels, which is the first of all.
+        let [width, height] = points(size, LatticeShape { pattern: Pattern::Quad, level: 0 });
+        made.points[0] = width * height;
+        for of in LatticeUse::ALL {
+            let mut parents: Option<LatticeUniform> = None;
+            for level in levels(settings, of).filter(|_| of == LatticeUse::Shading || rays != 0) {
+                let shape = shape(settings, of, level);
+                let [width, height] = points(size, shape);
+                let lattice = LatticeUniform {
+                    kind: shape.pattern as u32,
+                    level: shape.level,
+                    width,
+                    height,
+                    first: if (of, level) == (LatticeUse::Shading, Level::Pixels) { 0 } else { made.points[0] },
+                    place: level as u32,
+                    padding: [0; 2],
+                };
+                if lattice.first > 0 {
+                    made.points[0] += width * height;
+                }
+                let pitch = |l: LatticeUniform| (1 << l.level) as f32;
+                let row = |l: LatticeUniform| {
+                    if l.kind == Pattern::Equilateral as u32 { EQUILATERAL_ROW as f32 / 65536.0 } else { 1.0 }
+                };
+                let scale = parents.map_or(1.0, |p| pitch(lattice) / pitch(p));
+                made.steps[of as usize][level as usize] = StepUniform {
+                    points: lattice,
+                    parents: parents.unwrap_or_default(),
+                    scale: [scale, scale * parents.map_or(1.0, |p| row(lattice) / row(p))],
+                    coarsest: u32::from(parents.is_none()),
+                    rays: if of == LatticeUse::Rays { rays } else { 0 },
+                    found: 0,
+                    padding: [0; 3],
+                };
+                parents = Some(lattice);
+            }
+            if of == LatticeUse::Shading {
+                made.points[1] = made.points[0];
+            }
+        }
+        let [all, shaded] = made.points;
+        for step in &mut made.steps[LatticeUse::Rays as usize] {
+            step.found = all - shaded;
+        }
+        made
+    }
+
+    pub fn step(&self, step: LatticeStep) -> &StepUniform {
+        &self.steps[step.of as usize][step.level as usize]
+    }
+
+    /// Bytes of what is kept of points, and of their colours.
+    pub fn bytes(&self) -> [u64; 2] {
+        [u64::from(2 * self.points[0] - self.points[1]) * 16, u64::from(self.points[1]) * 16]
+    }
+}
+
+/// Columns and rows: enough that every point has all its parents, and these all their neighbours, on the lattice.
+pub(crate) fn points(size: [u32; 2], shape: LatticeShape) -> [u32; 2] {
+    let rows = match shape.pattern {
+        Pattern::Equilateral => (u64::from(size[1]) * 65536).div_ceil(u64::from(EQUILATERAL_ROW)) as u32,
+        Pattern::Quad | Pattern::Triangular => size[1],
+    };
+    let mut points = [size[0] + 1, rows + 1];
+    for _ in 0..shape.level {
+        points = points.map(|n| n / 2 + 3);
+    }
+    points
+}

@@ -1,0 +1,112 @@
+//! How shaders are put together: the crate's chunks of WGSL, the host's source, and a pass. Pipelines, the exporter and the tests all
+//! take what [`source`] makes.
+
+use crate::host::needs::RayInputs;
+use crate::rays::RayTier;
+use crate::wgsl::{HostSource, chunk};
+
+/// The shader of one or several passes.
+#[derive(Debug)]
+pub(crate) struct Module {
+    pub name: &'static str,
+    pub base: Base,
+    /// Its own chunks, in order, behind those of its base.
+    pub chunks: &'static [&'static str],
+}
+
+/// What a module is built on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Base {
+    /// The frame's constants and the G-buffer.
+    GBuffer,
+    /// And what rays found.
+    Found,
+    /// And the host's source, which shades samples.
+    Shading,
+    /// A scene for rays. `shades`: with the host's source; else with it only if that says where materials are solid.
+    Casting { shades: bool },
+}
+
+impl Base {
+    /// Whether the host's group and the texture table may be read.
+    pub fn has_host(self) -> bool {
+        matches!(self, Self::Shading | Self::Casting { .. })
+    }
+}
+
+/// The whole text of a module for samples that bring `inputs` along.
+pub(crate) fn source(module: &Module, host: &HostSource, inputs: RayInputs, tier: RayTier) -> String {
+    let text = match module.base {
+        Base::GBuffer => frame(RayInputs::default()),
+        Base::Found => frame(inputs),
+        Base::Shading => shading(host, inputs),
+        Base::Casting { shades } => casting(host, tier, shades),
+    };
+    text.into_iter().chain(module.chunks.iter().copied()).flat_map(|chunk| [chunk, "\n"]).collect()
+}
+
+/// Whether the host's source is in a module, so that its group and the texture table's must be bound.
+pub(crate) fn binds_host(base: Base, host: &HostSource) -> bool {
+    match base {
+        Base::GBuffer | Base::Found => false,
+        Base::Shading => true,
+        Base::Casting { shades } => shades || host.solid,
+    }
+}
+
+fn frame(inputs: RayInputs) -> Vec<&'static str> {
+    let mut chunks = vec![chunk::CONTRACT];
+    chunks.extend(samples(inputs));
+    chunks.push(chunk::STATISTICS);
+    chunks
+}
+
+/// What reads samples.
+fn samples(inputs: RayInputs) -> [&'static str; 7] {
+    [
+        chunk::OCTAHEDRAL,
+        chunk::FRAME,
+        chunk::PLAN_WORD,
+        chunk::SAMPLE,
+        chunk::SHARED_EXPONENT,
+        if inputs.shadows { chunk::SHADOWS } else { chunk::SHADOWS_NONE },
+        if inputs.secondary { chunk::SECONDARY } else { chunk::SECONDARY_NONE },
+    ]
+}
+
+/// The host's source, the contract, and what reads, shades and averages samples.
+fn shading(host: &HostSource, inputs: RayInputs) -> Vec<&str> {
+    let mut chunks = vec![host.directives(), &host.source, chunk::CONTRACT, host.table_chunk()];
+    chunks.extend(samples(inputs));
+    chunks.extend([chunk::MEAN, chunk::STATISTICS]);
+    chunks.extend(host.calls());
+    chunks.push(chunk::EVALUATE);
+    chunks
+}
+
+fn casting(host: &HostSource, tier: RayTier, shades: bool) -> Vec<&str> {
+    let (directive, nodes, traversal) = match tier {
+        RayTier::Software => {
+            ("", "@group(3) @binding(0) var<storage, read> daa_ray_nodes: array<vec4u>;", chunk::RAYS_SOFTWARE)
+        }
+        RayTier::Query => (
+            "enable wgpu_ray_query;",
+            "@group(3) @binding(0) var daa_ray_tlas: acceleration_structure;",
+            chunk::RAYS_QUERY,
+        ),
+    };
+    let mut chunks = vec![directive];
+    if binds_host(Base::Casting { shades }, host) {
+        chunks.extend([host.directives(), &host.source, chunk::CONTRACT, host.table_chunk()]);
+    } else {
+        chunks.push(chunk::CONTRACT);
+    }
+    chunks.extend(samples(RayInputs::default()));
+    chunks.extend([chunk::MEAN, chunk::STATISTICS]);
+    if shades {
+        chunks.extend(host.calls());
+        chunks.push("fn daa_call_bounce(s: DaaSample) -> DaaBounce { return bounce(s); }");
+    }
+    chunks.extend([nodes, host.solid_call(), chunk::RAYS, traversal, chunk::LATTICE, chunk::LISTING, chunk::CASTING]);
+    chunks
+}

@@ -1,0 +1,69 @@
+//! Bytes on their way back from the GPU, for which nobody waits.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU8, Ordering};
+
+const FREE: u8 = 0;
+const UNDER_WAY: u8 = 1;
+const READY: u8 = 2;
+
+/// A buffer that is copied to, mapped when its encoder is submitted, read, and free again.
+#[derive(Debug)]
+pub(crate) struct ReadBack {
+    pub buffer: wgpu::Buffer,
+    state: Arc<AtomicU8>,
+}
+
+/// Frees its buffer when the encoder is dropped without a submit, and the callback with it.
+struct Landing {
+    state: Arc<AtomicU8>,
+    to: u8,
+}
+
+impl Drop for Landing {
+    fn drop(&mut self) {
+        self.state.store(self.to, Ordering::Release);
+    }
+}
+
+impl ReadBack {
+    pub fn new(device: &wgpu::Device, label: &str, size: u64) -> Self {
+        let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size,
+            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        Self { buffer, state: Arc::new(AtomicU8::new(FREE)) }
+    }
+
+    /// Whether what was on its way has been read, or was never submitted.
+    pub fn is_free(&self) -> bool {
+        self.state.load(Ordering::Acquire) == FREE
+    }
+
+    pub fn is_ready(&self) -> bool {
+        self.state.load(Ordering::Acquire) == READY
+    }
+
+    /// Sends what the encoder has copied to the buffer on its way.
+    pub fn send(&self, encoder: &wgpu::CommandEncoder) {
+        self.state.store(UNDER_WAY, Ordering::Release);
+        let mut landing = Landing { state: self.state.clone(), to: FREE };
+        encoder.map_buffer_on_submit(&self.buffer, wgpu::MapMode::Read, .., move |outcome| {
+            landing.to = if outcome.is_ok() { READY } else { FREE };
+            drop(landing);
+        });
+    }
+
+    /// Reads what has arrived, once, and frees the buffer. `None` if nothing has.
+    pub fn take<T>(&self, read: impl FnOnce(&[u8]) -> T) -> Option<T> {
+        if !self.is_ready() {
+            return None;
+        }
+        let taken = self.buffer.get_mapped_range(..).ok().map(|bytes| read(&bytes));
+        self.buffer.unmap();
+        self.state.store(FREE, Ordering::Release);
+        taken
+    }
+}

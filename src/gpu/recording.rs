@@ -1,0 +1,171 @@
+//! A frame under way, pass by pass.
+
+use crate::gpu::audited::Audited;
+use crate::gpu::binding::{OWN_GROUP, Slot};
+use crate::gpu::buffers::NodeBuffers;
+use crate::gpu::collector::{Collector, Recorded};
+use crate::gpu::pipelines::{Pipeline, PipelineKind};
+use crate::gpu::resources::SizedResources;
+use crate::gpu::sizes::{WORK_BYTES, workgroups};
+use crate::gpu::step::Pass;
+use crate::host::error::RecordError;
+use crate::host::frame::Frame;
+use crate::host::graph::{Grid, Part, Rounds, Stage};
+
+/// A frame under way. Dropped without [`finish`](Self::finish), it has no statistics.
+#[derive(Debug)]
+pub struct Recording<'a> {
+    pub(crate) frame: &'a Frame<'a>,
+    pub(crate) resources: &'a SizedResources,
+    pub(crate) buffers: &'a NodeBuffers,
+    pub(crate) collector: &'a mut Collector,
+    /// The slot of its uniforms.
+    pub(crate) slot: u64,
+    pub(crate) passes: Vec<ReadyPass>,
+    pub(crate) audited: Audited,
+    /// If its statistics are asked for, or the goal needs them.
+    pub(crate) recorded: Option<Recorded>,
+}
+
+/// A pass with all that recording it takes.
+#[derive(Debug)]
+pub(crate) struct ReadyPass {
+    pub pass: Pass,
+    /// Group 0.
+    pub frame: wgpu::BindGroup,
+    /// Whether the texture table's group is bound, and the host's.
+    pub hosts: [bool; 2],
+    pub stages: Vec<ReadyStage>,
+}
+
+#[derive(Debug)]
+pub(crate) struct ReadyStage {
+    pub stage: &'static Stage,
+    pub pipeline: Pipeline,
+    /// The pass's own group.
+    pub group: wgpu::BindGroup,
+}
+
+impl Recording<'_> {
+    /// Records one pass of [`DeferredAa::passes`](crate::DeferredAa::passes), which this frame must have.
+    pub fn record(&self, encoder: &mut wgpu::CommandEncoder, pass: Pass) -> Result<(), RecordError> {
+        let own = self.passes.get(pass.index).filter(|own| own.pass == pass);
+        let own = own.ok_or(RecordError::ForeignPass(pass.info.name))?;
+        if pass.step.pass.draws() {
+            self.draw(encoder, own)
+        } else {
+            self.compute(encoder, own)
+        }
+        Ok(())
+    }
+
+    fn timestamps(&self, pass: Pass) -> Option<(&wgpu::QuerySet, u32, u32)> {
+        self.collector.timestamps(pass.index).filter(|_| self.recorded.is_some())
+    }
+
+    fn compute(&self, encoder: &mut wgpu::CommandEncoder, own: &ReadyPass) {
+        let pass = own.pass;
+        let timestamps = self.timestamps(pass);
+        let mut compute = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some(pass.info.name),
+            timestamp_writes: timestamps.map(|(query_set, begin, end)| wgpu::ComputePassTimestampWrites {
+                query_set,
+                beginning_of_pass_write_index: Some(begin),
+                end_of_pass_write_index: Some(end),
+            }),
+        });
+        let constants = self.buffers.frames.offset(self.slot, 0);
+        compute.set_bind_group(0, &own.frame, &[constants]);
+        if let (true, Some(table)) = (own.hosts[0], self.frame.textures) {
+            compute.set_bind_group(1, &table.bind_group, &[]);
+        }
+        if let (true, Some(host)) = (own.hosts[1], self.frame.host_bind_group) {
+            compute.set_bind_group(crate::HOST_GROUP, host, &[]);
+        }
+        let SizedResources { size, m, .. } = *self.resources;
+        for round in 0..pass.info.rounds.count(size, m) {
+            let further = u64::from(round) * WORK_BYTES;
+            for ready in &own.stages {
+                if let PipelineKind::Compute(pipeline) = &ready.pipeline.kind {
+                    compute.set_pipeline(pipeline);
+                }
+                let (offsets, count) = self.offsets(pass, ready.stage, further);
+                compute.set_bind_group(OWN_GROUP, &ready.group, &offsets[..count]);
+                match ready.stage.grid {
+                    Grid::Indirect { part, offset } => {
+                        if let Some(buffer) = self.resources.buffer(part) {
+                            compute.dispatch_workgroups_indirect(buffer, offset + further);
+                        }
+                    }
+                    grid => {
+                        let groups = workgroups(grid, size, m, pass.info.lattice, Some(self.audited));
+                        let [x, y, z] = groups.unwrap_or_default();
+                        compute.dispatch_workgroups(x, y, z);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Dynamic offsets of a stage's own group, in the order of its bindings. `further`: into the work of a list.
+    fn offsets(&self, pass: Pass, stage: &Stage, further: u64) -> ([u32; 2], usize) {
+        let mut offsets = [0; 2];
+        let mut count = 0;
+        for binding in pass.step.pass.bound(stage).filter(|binding| binding.dynamic().is_some()) {
+            offsets[count] = match binding.slot {
+                Slot::Step => {
+                    let index = pass.step.lattice.map_or(0, |lattice| lattice.index());
+                    self.buffers.steps().offset(self.slot, index)
+                }
+                Slot::Casting => {
+                    let index = pass.step.samples.map_or(0, |samples| samples.index());
+                    self.buffers.casting().offset(self.slot, index)
+                }
+                // Work 0 is the whole list, those behind it are a round each.
+                _ => further as u32 + if pass.info.rounds == Rounds::Once { 0 } else { WORK_BYTES as u32 },
+            };
+            count += 1;
+        }
+        (offsets, count)
+    }
+
+    fn draw(&self, encoder: &mut wgpu::CommandEncoder, own: &ReadyPass) {
+        let timestamps = self.timestamps(own.pass);
+        let mut render = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some(own.pass.info.name),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: self.frame.target,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                    store: wgpu::StoreOp::Store,
+                },
+            })],
+            depth_stencil_attachment: None,
+            timestamp_writes: timestamps.map(|(query_set, begin, end)| wgpu::RenderPassTimestampWrites {
+                query_set,
+                beginning_of_pass_write_index: Some(begin),
+                end_of_pass_write_index: Some(end),
+            }),
+            occlusion_query_set: None,
+            multiview_mask: None,
+        });
+        for ready in &own.stages {
+            if let PipelineKind::Render(pipeline) = &ready.pipeline.kind {
+                render.set_pipeline(pipeline);
+                render.set_bind_group(0, &own.frame, &[self.buffers.frames.offset(self.slot, 0)]);
+                render.set_bind_group(OWN_GROUP, &ready.group, &[]);
+                render.draw(0..3, 0..1);
+            }
+        }
+    }
+
+    /// Ends the frame: its statistics are on their way if [`Frame::statistics`] asks for them.
+    pub fn finish(self, queue: &wgpu::Queue, encoder: &mut wgpu::CommandEncoder) {
+        if let (Some(recorded), Some(counters)) = (self.recorded, self.resources.buffer(Part::Counters)) {
+            let audits = recorded.audited.is_some().then(|| self.buffers.audits());
+            self.collector.collect(queue, encoder, counters, audits, recorded);
+        }
+    }
+}

@@ -1,0 +1,81 @@
+//! A pass at its place in a frame.
+
+use crate::gpu::binding::PassData;
+use crate::gpu::casting::CastSamples;
+use crate::gpu::lattice::LatticeStep;
+use crate::host::graph::PassInfo;
+use crate::host::needs::RayInputs;
+use crate::settings::Settings;
+
+/// A pass of the frame, in the order in which [`DeferredAa::passes`](crate::DeferredAa::passes) yields it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pass {
+    /// What it is called, runs, reads and writes.
+    pub info: PassInfo,
+    pub(crate) step: Step,
+    pub(crate) index: usize,
+}
+
+/// A pass, and what it works on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Step {
+    pub pass: &'static PassData,
+    /// The samples that it casts rays from.
+    pub samples: Option<CastSamples>,
+    /// The place among the lattices that it works on.
+    pub lattice: Option<LatticeStep>,
+}
+
+impl From<&'static PassData> for Step {
+    fn from(pass: &'static PassData) -> Self {
+        Self { pass, samples: None, lattice: None }
+    }
+}
+
+impl Step {
+    pub fn cast(pass: &'static PassData, samples: CastSamples) -> Self {
+        Self { pass, samples: Some(samples), lattice: samples.step() }
+    }
+
+    pub fn on(pass: &'static PassData, lattice: LatticeStep) -> Self {
+        Self { pass, samples: None, lattice: Some(lattice) }
+    }
+
+    fn name(&self) -> &'static str {
+        let of_level = self.lattice.and_then(|lattice| self.pass.names.get(lattice.level as usize));
+        of_level.or(self.pass.names.first()).copied().unwrap_or_default()
+    }
+
+    /// In a frame with these inputs from rays.
+    pub fn info(&self, settings: &Settings, inputs: RayInputs) -> PassInfo {
+        PassInfo {
+            name: self.name(),
+            kind: self.pass.kind,
+            reads: self.pass.reads(inputs),
+            writes: self.pass.writes(inputs),
+            stages: self.pass.stages,
+            rounds: self.pass.rounds,
+            lattice: self.lattice.map(|lattice| lattice.shapes(&settings.multi_resolution)),
+        }
+    }
+}
+
+/// The steps of a frame, top to bottom.
+#[derive(Debug, Default)]
+pub(crate) struct Steps(pub Vec<Step>);
+
+impl Steps {
+    pub fn then(mut self, step: impl Into<Step>) -> Self {
+        self.0.push(step.into());
+        self
+    }
+
+    pub fn then_if(self, condition: bool, step: impl Into<Step>) -> Self {
+        if condition { self.then(step) } else { self }
+    }
+
+    pub fn then_all(mut self, steps: impl IntoIterator<Item = Step>) -> Self {
+        self.0.extend(steps);
+        self
+    }
+}

@@ -1,0 +1,40 @@
+//! Uniforms in rings: as many frames may be recorded between two submits as a ring has slots.
+
+use bytemuck::Pod;
+use std::marker::PhantomData;
+
+/// Frames of a ring.
+pub(crate) const FRAMES: u64 = 16;
+
+/// Values of one type, several a frame, each chosen by a dynamic offset.
+#[derive(Debug)]
+pub(crate) struct Ring<T> {
+    pub buffer: wgpu::Buffer,
+    each_frame: u64,
+    of: PhantomData<fn(T)>,
+}
+
+impl<T: Pod> Ring<T> {
+    /// WebGPU's default alignment of dynamic offsets.
+    const STRIDE: u64 = (size_of::<T>() as u64).next_multiple_of(256);
+
+    /// `beyond`: frames that are counted from [`FRAMES`] on, for what is not a frame.
+    pub fn new(device: &wgpu::Device, label: &str, each_frame: u64, beyond: u64) -> Self {
+        let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size: Self::STRIDE * each_frame * (FRAMES + beyond),
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        Self { buffer, each_frame, of: PhantomData }
+    }
+
+    /// The dynamic offset of a value of a slot. Frames take slots below [`FRAMES`] in turn.
+    pub fn offset(&self, slot: u64, index: u64) -> u32 {
+        ((slot * self.each_frame + index) * Self::STRIDE) as u32
+    }
+
+    pub fn write(&self, queue: &wgpu::Queue, slot: u64, index: u64, value: &T) {
+        queue.write_buffer(&self.buffer, self.offset(slot, index).into(), bytemuck::bytes_of(value));
+    }
+}

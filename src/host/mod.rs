@@ -1,0 +1,15 @@
+//! What a host gives and gets: everything public but the node, the settings and the scene for rays.
+
+pub(crate) mod check;
+pub(crate) mod descriptor;
+pub(crate) mod error;
+pub(crate) mod frame;
+pub mod gbuffer;
+pub(crate) mod graph;
+pub(crate) mod intermediates;
+pub(crate) mod needs;
+pub(crate) mod plan_word;
+pub(crate) mod requirements;
+pub(crate) mod shader;
+pub(crate) mod statistics;
+pub(crate) mod table;

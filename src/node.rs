@@ -1,0 +1,566 @@
+//! The node: what a host builds, resizes and records.
+
+use crate::goal::Controller;
+use crate::gpu::audited::Audited;
+use crate::gpu::binding::{Slot, frame_layout};
+use crate::gpu::buffers::NodeBuffers;
+use crate::gpu::casting::{CastSamples, CastingUniform};
+use crate::gpu::collector::{Collector, Recorded};
+use crate::gpu::frame_uniform::FrameUniform;
+use crate::gpu::input_check::InputCheck;
+use crate::gpu::lattice::LatticeSteps;
+use crate::gpu::loans::{Lent, Loans};
+use crate::gpu::modules::binds_host;
+use crate::gpu::pipelines::{self, Build, Pipelines};
+use crate::gpu::recording::{ReadyPass, ReadyStage, Recording};
+use crate::gpu::resources::{SizedResources, binding_limit, check_size};
+use crate::gpu::sizes::{self, Shape};
+use crate::gpu::step::{Pass, Step};
+use crate::gpu::uniforms::FRAMES;
+use crate::host::check::{InputMistake, InputReport, encodes};
+use crate::host::descriptor::{Descriptor, Shading};
+use crate::host::error::{BuildError, LendError, RecordError, ShadingError, SizeError, TableError};
+use crate::host::frame::Frame;
+use crate::host::gbuffer::GBuffer;
+use crate::host::graph::{Part, PartInfo, PassInfo, PassKind, Resource};
+use crate::host::intermediates::Intermediates;
+use crate::host::needs::{Needs, RayInputs};
+use crate::host::requirements::{self, Memory, Requirements};
+use crate::host::shader::Shader;
+use crate::host::statistics::Statistics;
+use crate::host::table::{TableTexture, Tables, TextureTable, TextureTier};
+use crate::settings::{DebugView, Settings};
+use crate::techniques::{self, Effort};
+use crate::wgsl::{self, HostSource};
+use crate::window::MAX_M;
+use std::sync::Arc;
+
+/// Adaptive supersampling of a deferred frame: a node for a host's frame graph.
+///
+/// ```text
+/// let mut aa = DeferredAa::new(&device, &descriptor, Some(&layout))?;
+/// aa.resize(&device, width, height)?;
+/// // each frame: render into aa.gbuffer(), then
+/// aa.record(&queue, &mut encoder, &frame)?;
+/// ```
+///
+/// It never submits and never waits. After [`resize`](Self::resize) and the first frame of a technique it allocates no
+/// GPU resource.
+#[derive(Debug)]
+pub struct DeferredAa {
+    pipelines: Arc<Pipelines>,
+    tables: Option<Tables>,
+    buffers: NodeBuffers,
+    resources: Option<SizedResources>,
+    collector: Collector,
+    /// From the first check.
+    check: Option<InputCheck>,
+    controller: Controller,
+    frame: u64,
+}
+
+impl DeferredAa {
+    /// What a node with this descriptor needs of a device, and what this adapter can't give. Creates nothing.
+    pub fn requirements(adapter: &wgpu::Adapter, descriptor: &Descriptor<'_>) -> Requirements {
+        Requirements::of(adapter, descriptor)
+    }
+
+    /// Checks the host's WGSL and builds the node. `host_layout` is the layout of the host's bind group, `None` if its WGSL
+    /// binds nothing. Pipelines are compiled when a frame first needs them; [`warm_up`](Self::warm_up) does it ahead.
+    pub fn new(
+        device: &wgpu::Device,
+        descriptor: &Descriptor<'_>,
+        host_layout: Option<&wgpu::BindGroupLayout>,
+    ) -> Result<Self, BuildError> {
+        if !(1..=MAX_M).contains(&descriptor.m) {
+            return Err(BuildError::WindowSize(descriptor.m));
+        }
+        let missing = requirements::missing(device, descriptor);
+        if !missing.is_empty() {
+            return Err(BuildError::Missing(missing));
+        }
+        let float = matches!(
+            descriptor.target_format.sample_type(None, Some(device.features())),
+            Some(wgpu::TextureSampleType::Float { .. })
+        );
+        let usages = descriptor.target_format.guaranteed_format_features(device.features()).allowed_usages;
+        if !float || !usages.contains(wgpu::TextureUsages::RENDER_ATTACHMENT) {
+            return Err(BuildError::TargetFormat(descriptor.target_format));
+        }
+        let Shading { source, file } = descriptor.shading;
+        let host = HostSource::check(source, file, descriptor.textures, device.features())?;
+        let tables = Tables::new(device, descriptor.textures, descriptor.texture_capacity);
+        let build = Build {
+            device: device.clone(),
+            m: descriptor.m,
+            host,
+            target_format: descriptor.target_format,
+            rays: descriptor.rays,
+            frame_layouts: RayInputs::ALL.map(|inputs| frame_layout(device, inputs)),
+            table_layout: tables.as_ref().map(|t| t.layout.clone()),
+            host_layout: host_layout.cloned(),
+        };
+        let pipelines = Pipelines::new(build);
+        // A layout that does not fit the WGSL shows here, not in the first frame.
+        pipelines.warm_up(&[(&crate::passes::first::FIRST).into()], RayInputs::default()).map_err(|e| match e {
+            RecordError::Pipeline(e) => BuildError::Pipeline(e),
+            other => BuildError::Missing(vec![other.to_string()]),
+        })?;
+        Ok(Self {
+            pipelines: Arc::new(pipelines),
+            tables,
+            buffers: NodeBuffers::new(device),
+            resources: None,
+            collector: Collector::new(device),
+            check: None,
+            controller: Controller::default(),
+            frame: 0,
+        })
+    }
+
+    /// Checks WGSL as [`new`](Self::new) does, without a device: for a host that reloads its shaders.
+    pub fn check_shading(
+        shading: Shading<'_>,
+        textures: TextureTier,
+        features: wgpu::Features,
+    ) -> Result<(), ShadingError> {
+        HostSource::check(shading.source, shading.file, textures, features).map(|_| ())
+    }
+
+    /// Samples along one side of a window.
+    pub fn m(&self) -> u32 {
+        self.build().m
+    }
+
+    fn build(&self) -> &Build {
+        &self.pipelines.build
+    }
+
+    /// Makes the G-buffer and all that goes with an output of `width` × `height` pixels. Nothing happens if it has that
+    /// size; what was there before is kept if it fails.
+    pub fn resize(&mut self, device: &wgpu::Device, width: u32, height: u32) -> Result<(), SizeError> {
+        let size = [width, height];
+        if self.resources.as_ref().is_some_and(|resources| resources.size == size) {
+            return Ok(());
+        }
+        let m = self.build().m;
+        check_size(size, m, &device.limits())?;
+        let scope = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let shape = self.shape(size, &Settings::default(), RayInputs::default());
+        let resources = SizedResources::new(device, &shape, Loans::default(), None);
+        if let Some(e) = pipelines::ready(scope.pop()) {
+            let bytes = sizes::gbuffer_bytes(size, m) + sizes::scratch_bytes(size);
+            return Err(SizeError::OutOfMemory { width, height, m, bytes, message: e.to_string() });
+        }
+        self.resources = Some(resources);
+        Ok(())
+    }
+
+    fn shape(&self, size: [u32; 2], settings: &Settings, inputs: RayInputs) -> Shape {
+        let technique = techniques::of(settings.technique);
+        Shape {
+            size,
+            m: self.build().m,
+            target_format: self.build().target_format,
+            inputs,
+            hits: technique.reads_hits(),
+            rays: settings.view == DebugView::Rays,
+            lattices: technique.lattices(settings, size, inputs),
+        }
+    }
+
+    /// The parts of all that a frame with these settings and needs reads and writes, at the present size, but for what the host
+    /// binds itself ([`Resource::Host`], [`Resource::Rays`]). Empty before the first [`resize`](Self::resize).
+    pub fn parts(&self, settings: &Settings, needs: &Needs<'_>) -> Vec<PartInfo> {
+        let Some(resources) = &self.resources else { return Vec::new() };
+        let inputs = RayInputs::of(settings, needs);
+        let shape = self.shape(resources.size, settings, inputs);
+        let steps = techniques::steps(settings, inputs);
+        let passes = || steps.iter().map(|step| step.info(settings, inputs));
+        let uses = |resource| passes().any(|pass| pass.reads.contains(resource) || pass.writes.contains(resource));
+        let bound = used_parts(&steps);
+        let in_frame = |part: &Part| match part.resource() {
+            // A frame has one kind of list.
+            Resource::List => bound.contains(part),
+            resource => uses(resource),
+        };
+        let info = |part: Part| {
+            let kind = shape.kind(part)?;
+            Some(PartInfo { part, resource: part.resource(), kind, lifetime: part.lifetime() })
+        };
+        Part::ALL.into_iter().filter(in_frame).filter_map(info).collect()
+    }
+
+    /// Lends the node memory for some of its [parts](Self::parts), in place of its own, which it drops. For a host whose graph
+    /// gives the same memory to resources that do not live at the same time. It replaces all that was lent before: an empty slice
+    /// takes all back. Not for a steady frame, as it binds everything anew. What was in the parts is lost, but for attachments of the
+    /// G-buffer that are neither lent now nor were before. [`resize`](Self::resize) to another size ends it.
+    ///
+    /// The host sees to it that no two parts that share memory live at once ([`PartInfo::lifetime`]); no error tells it if they
+    /// do. Lists, lattices and rays are made when a frame first needs them: what is lent for them is taken then.
+    pub fn lend(&mut self, device: &wgpu::Device, lent: &[Lent<'_>]) -> Result<(), LendError> {
+        let resources = self.resources.as_ref().ok_or(LendError::NoSize)?;
+        let size = resources.size;
+        let shape = self.shape(size, &Settings::default(), RayInputs { shadows: true, secondary: true });
+        let loans = Loans::new(lent, &shape, binding_limit(device))?;
+        let memory = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let binding = device.push_error_scope(wgpu::ErrorFilter::Validation);
+        let lent = SizedResources::new(device, &shape, loans, Some(resources));
+        lent.try_binding(device);
+        let refused = [pipelines::ready(binding.pop()), pipelines::ready(memory.pop())];
+        if let Some(e) = refused.into_iter().flatten().next() {
+            return Err(LendError::Refused(pipelines::one_line(&e)));
+        }
+        self.resources = Some(lent);
+        Ok(())
+    }
+
+    /// The attachments to render the scene into. `None` before the first [`resize`](Self::resize).
+    pub fn gbuffer(&self) -> Option<&GBuffer> {
+        self.resources.as_ref().map(|resources| &resources.gbuffer)
+    }
+
+    /// What the passes hand to each other, for tools and tests. `None` before the first [`resize`](Self::resize).
+    pub fn intermediates(&self) -> Option<Intermediates<'_>> {
+        let resources = self.resources.as_ref()?;
+        Some(Intermediates {
+            first: resources.texture(Part::First)?,
+            color: resources.texture(Part::Color)?,
+            plan: resources.buffer(Part::Plan)?,
+            tiles: sizes::tiles(resources.size),
+            pixel_list: resources.buffer(Part::PixelListEntries),
+            sample_list: resources.buffer(Part::SampleListEntries),
+            shadows: resources.buffer(Part::Shadows),
+            tile_lists: resources.buffer(Part::Tiles),
+            secondary: resources.buffer(Part::Secondary),
+            lattices: resources.buffer(Part::LatticePoints).zip(resources.buffer(Part::LatticeColors)).map(Into::into),
+        })
+    }
+
+    /// Bytes of GPU memory held for the present size, without what is lent.
+    pub fn memory(&self) -> Memory {
+        let rays = self.buffers.rays_held();
+        let Some(resources) = &self.resources else { return Memory { gbuffer: 0, scratch: 0, rays } };
+        let held = |of: fn(Resource) -> bool| {
+            let parts = Part::ALL.into_iter().filter(move |part| of(part.resource()));
+            parts.map(|part| resources.held(part)).sum::<u64>()
+        };
+        let of_rays = |resource| matches!(resource, Resource::Tiles | Resource::Traced);
+        let of_gbuffer = |resource| resource == Resource::GBuffer;
+        Memory {
+            gbuffer: held(of_gbuffer),
+            scratch: held(|resource| !matches!(resource, Resource::Tiles | Resource::Traced | Resource::GBuffer))
+                + self.buffers.marks_held(),
+            rays: rays + held(of_rays),
+        }
+    }
+
+    /// The layout of [`TextureTable::bind_group`], for the host's own pipelines, at `@group(1)`.
+    pub fn texture_layout(&self) -> Option<&wgpu::BindGroupLayout> {
+        self.tables.as_ref().map(|t| &t.layout)
+    }
+
+    /// WGSL of `daa_texture` for the host's own pipelines: a directive that goes before all else, and the chunk.
+    pub fn texture_wgsl(tier: TextureTier) -> (&'static str, &'static str) {
+        (wgsl::directives(tier), wgsl::table_chunk(tier))
+    }
+
+    /// A table of the host's textures: `daa_texture(i, ..)` reads `textures[i]`. On [`TextureTier::Arrays`] the encoder
+    /// receives copies, so submit it before the textures go. Make a new table when textures come or go.
+    pub fn texture_table(
+        &self,
+        queue: &wgpu::Queue,
+        encoder: &mut wgpu::CommandEncoder,
+        textures: &[TableTexture<'_>],
+    ) -> Result<TextureTable, TableError> {
+        let tables = self.tables.as_ref().ok_or(TableError::NoTier)?;
+        tables.table(&self.build().device, queue, encoder, textures)
+    }
+
+    /// Compiles what frames with these settings and needs want, so that none of them has to. Called with the most that any
+    /// frame may need, frames that need less never stall either: their own pipelines are compiled on a thread, and until they are
+    /// there those of the most serve, to the same image.
+    pub fn warm_up(&self, settings: &Settings, needs: &Needs<'_>) -> Result<(), RecordError> {
+        settings.validate()?;
+        let inputs = RayInputs::of(settings, needs);
+        self.pipelines.warm_up(&techniques::steps(settings, inputs), inputs)
+    }
+
+    /// Whether the pipelines of frames with these settings and needs are compiled. Until then such a frame takes those of a
+    /// larger set, if [`warm_up`](Self::warm_up) or a frame before it compiled that; else it waits for the compiler.
+    pub fn is_ready(&self, settings: &Settings, needs: &Needs<'_>) -> bool {
+        let inputs = RayInputs::of(settings, needs);
+        self.pipelines.ready(&techniques::steps(settings, inputs), inputs)
+    }
+
+    /// The passes that a frame with these settings and needs records, in order.
+    pub fn passes(settings: &Settings, needs: &Needs<'_>) -> impl Iterator<Item = Pass> + use<> {
+        let inputs = RayInputs::of(settings, needs);
+        passes(settings, inputs, techniques::steps(settings, inputs))
+    }
+
+    /// The shaders of those passes, in order: for a host that is not on wgpu, and translates and compiles them by itself. The demo's
+    /// command `shaders` does so. Slow: each is compiled here too, as its only check.
+    pub fn shaders(&self, settings: &Settings, needs: &Needs<'_>) -> Result<Vec<(PassInfo, Vec<Shader>)>, RecordError> {
+        settings.validate()?;
+        let inputs = RayInputs::of(settings, needs);
+        let all = passes(settings, inputs, techniques::steps(settings, inputs));
+        let shaders = |pass: Pass| {
+            let shaders = self.build().shaders(&pass.step, pass.info.name, inputs)?;
+            Ok((pass.info, shaders))
+        };
+        all.map(shaders).collect()
+    }
+
+    /// Records the frame: all its passes, and the copies of its statistics. Nothing is recorded if it fails.
+    ///
+    /// Several views a frame: a node each, or one node for all of them, the host rendering the G-buffer anew between two
+    /// [`record`](Self::record)s, of another size after a [`resize`](Self::resize). At most 16 frames of one node may be recorded
+    /// between two submits: the next would take the first one's constants. Of these all get the last one's
+    /// [`Needs::textured`], [`Needs::importance`] and [`Needs::bounces`]; and of one [`RayScene`](crate::rays::RayScene), which
+    /// knows one camera, all the last [update](crate::rays::RayScene::update): views with rays take a scene each, or a submit each.
+    pub fn record(
+        &mut self,
+        queue: &wgpu::Queue,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &Frame<'_>,
+    ) -> Result<(), RecordError> {
+        let recording = self.begin(queue, encoder, frame)?;
+        for pass in Self::passes(&frame.settings, &frame.needs) {
+            recording.record(encoder, pass)?;
+        }
+        recording.finish(queue, encoder);
+        Ok(())
+    }
+
+    /// Begins a frame whose passes the host records itself, between its own or under its own profiler: each of
+    /// [`passes`](Self::passes) once, in their order or in one that [`PassInfo`](crate::PassInfo) allows, then
+    /// [`Recording::finish`]. Clears, by this encoder, what of [`parts`](Self::parts) lives from the beginning: submit it before
+    /// those of the passes.
+    pub fn begin<'a>(
+        &'a mut self,
+        queue: &wgpu::Queue,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &'a Frame<'a>,
+    ) -> Result<Recording<'a>, RecordError> {
+        let settings = &frame.settings;
+        settings.validate()?;
+        let technique = techniques::of(settings.technique);
+        let (m, size) = (self.build().m, self.resources.as_ref().ok_or(RecordError::NoSize)?.size);
+        technique.check(settings, &frame.needs, size, m)?;
+        self.check_target(frame, size)?;
+        self.collector.poll(&mut self.controller);
+        self.controller.follow(settings, size, technique.has_effort());
+        let (effort, step) = (self.controller.effort(), self.controller.step());
+        let effort = effort.map(|effort| Effort { effort, step });
+        let audited = Audited { step: effort.map_or(0.0, |e| e.step), ..Audited::of(self.frame + 1, size) };
+        let mut uniform = FrameUniform::new(frame, size, m, audited)?;
+        technique.uniform(settings, m, effort, &mut uniform);
+        let inputs = RayInputs::of(settings, &frame.needs);
+        let casting = self.casting(frame, inputs, uniform.camera_position.into())?;
+        let steps = techniques::steps(settings, inputs);
+        let set = self.pipelines.serve(&steps, inputs)?;
+
+        let shape = self.shape(size, settings, inputs);
+        let Self { pipelines, tables, buffers, resources, collector, .. } = self;
+        let build = &pipelines.build;
+        let resources = resources.as_mut().ok_or(RecordError::NoSize)?;
+        resources.ensure(&build.device, &shape, &used_parts(&steps), technique.execution(settings))?;
+        if technique.reads_marks() {
+            buffers.write_marks(queue, &frame.needs);
+        }
+        if casting.is_some() {
+            buffers.write_bouncing(queue, frame.needs.bounces);
+        }
+        let mut ready = Vec::with_capacity(steps.len());
+        for pass in passes(settings, inputs, steps) {
+            let data = pass.step.pass;
+            let mut stages = Vec::with_capacity(data.stages.len());
+            for stage in data.stages {
+                let pipeline = pipelines.get(data, stage, set)?;
+                let group = resources.group(build, (data, stage), &pipeline, buffers, frame.needs.rays);
+                stages.push(ReadyStage { stage, pipeline, group });
+            }
+            let found = if data.reads_found() { (inputs, set) } else { Default::default() };
+            let hosts = binds_host(data.module.base, &build.host);
+            ready.push(ReadyPass {
+                pass,
+                frame: resources.frame(build, buffers, found.0, found.1),
+                hosts: [hosts && tables.is_some(), hosts && build.host_layout.is_some()],
+                stages,
+            });
+        }
+
+        // From here on nothing fails.
+        self.frame += 1;
+        let slot = self.frame % FRAMES;
+        buffers.frames.write(queue, slot, 0, &uniform);
+        if let Some(lattices) = &shape.lattices {
+            write_lattices(buffers, queue, slot, &ready, lattices);
+        }
+        if let Some(casting) = &casting {
+            write_casting(buffers, queue, slot, &ready, casting, &shape);
+        }
+        resources.clear(encoder, &shape);
+        let recorded = (frame.statistics || effort.is_some()).then(|| {
+            collector.reserve(&build.device, ready.len());
+            let audits = |ready: &ReadyPass| ready.pass.info.kind == PassKind::Audit;
+            Recorded {
+                frame: self.frame,
+                technique: settings.technique,
+                size,
+                m,
+                effort: effort.map(|e| e.effort),
+                audited: ready.iter().any(audits).then_some(audited),
+                passes: ready.iter().map(|ready| ready.pass.info.name).collect(),
+            }
+        });
+        Ok(Recording { frame, resources, buffers, collector, slot, passes: ready, audited, recorded })
+    }
+
+    /// Whether the frame's target can take the image, and the frame has what the host's WGSL binds.
+    fn check_target(&self, frame: &Frame<'_>, size: [u32; 2]) -> Result<(), RecordError> {
+        let [width, height] = size;
+        let target = frame.target.texture();
+        let (target_width, target_height) = (target.width(), target.height());
+        // Which level a view shows is the host's affair: only a texture that can't hold the image is refused.
+        let mut levels = (0..target.mip_level_count()).map(|level| {
+            let size = target.size().mip_level_size(level, target.dimension());
+            (size.width, size.height)
+        });
+        if !levels.any(|level| level == (width, height)) {
+            return Err(RecordError::TargetSize { target_width, target_height, width, height });
+        }
+        let node = self.build().target_format;
+        if target.format().remove_srgb_suffix() != node.remove_srgb_suffix() {
+            return Err(RecordError::TargetFormat { target: target.format(), node });
+        }
+        if target.sample_count() != 1 {
+            return Err(RecordError::TargetSamples(target.sample_count()));
+        }
+        if !target.usage().contains(wgpu::TextureUsages::RENDER_ATTACHMENT) {
+            return Err(RecordError::TargetUsage);
+        }
+        if self.build().host_layout.is_some() && frame.host_bind_group.is_none() {
+            return Err(RecordError::HostBindGroup);
+        }
+        if self.tables.is_some() && frame.textures.is_none() {
+            return Err(RecordError::Textures);
+        }
+        Ok(())
+    }
+
+    /// The lights, if the frame traces; checks what it needs for that.
+    fn casting(
+        &self,
+        frame: &Frame<'_>,
+        inputs: RayInputs,
+        camera: glam::Vec3,
+    ) -> Result<Option<CastingUniform>, RecordError> {
+        if !inputs.any() {
+            return Ok(None);
+        }
+        let node = self.build().rays.ok_or(RecordError::NoRays)?;
+        let scene = frame.needs.rays.ok_or(RecordError::NoRayScene)?;
+        if scene.tier() != node {
+            return Err(RecordError::RayTier { scene: scene.tier(), node });
+        }
+        if scene.camera() != camera {
+            return Err(RecordError::RayCamera { scene: scene.camera(), camera });
+        }
+        CastingUniform::new(if inputs.shadows { frame.needs.shadows } else { &[] }, camera).map(Some)
+    }
+
+    /// Checks the G-buffer, as it is when the encoder gets there, and the frame for what is probably a mistake:
+    /// [`input_report`](Self::input_report) has it some frames later. A pass over all samples that nobody needs in a
+    /// program that works: for debug builds, or for a key. While a check is under way another does nothing.
+    pub fn check_input(
+        &mut self,
+        queue: &wgpu::Queue,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &Frame<'_>,
+    ) -> Result<(), RecordError> {
+        let Self { pipelines, buffers, resources, .. } = self;
+        let build = &pipelines.build;
+        let resources = resources.as_mut().ok_or(RecordError::NoSize)?;
+        let size = resources.size;
+        let uniform = FrameUniform::new(frame, size, build.m, Audited::of(self.frame, size))?;
+        let check = self.check.get_or_insert_with(|| InputCheck::new(&build.device));
+        check.poll(build.m);
+        if !check.is_free() {
+            return Ok(());
+        }
+        let mut mistakes = Vec::new();
+        if !frame.camera.is_reversed() {
+            mistakes.push(InputMistake::ProjectionNotReversed);
+        }
+        let target = build.target_format;
+        if target.is_srgb() && encodes(&build.host.source) {
+            mistakes.push(InputMistake::EncodedTwice { target });
+        }
+        // The slot beyond those of frames.
+        buffers.frames.write(queue, FRAMES, 0, &uniform);
+        let group = resources.frame(build, buffers, RayInputs::default(), RayInputs::default());
+        check.record(encoder, pipelines, (&group, buffers.frames.offset(FRAMES, 0)), size, mistakes)
+    }
+
+    /// What the newest [check](Self::check_input) has found that has arrived. Never waits; the host's `submit` or `poll` moves
+    /// it on.
+    pub fn input_report(&mut self) -> Option<&InputReport> {
+        let m = self.build().m;
+        let check = self.check.as_mut()?;
+        check.poll(m);
+        check.report()
+    }
+
+    /// What the newest frame did whose counters have arrived, some frames after it was submitted with
+    /// [`Frame::statistics`]. Never waits; the host's `submit` or `poll` moves it on.
+    pub fn statistics(&mut self) -> Option<&Statistics> {
+        self.collector.poll(&mut self.controller);
+        self.collector.latest()
+    }
+}
+
+fn passes(settings: &Settings, inputs: RayInputs, steps: Vec<Step>) -> impl Iterator<Item = Pass> + use<> {
+    let settings = *settings;
+    let info = move |step: &Step| step.info(&settings, inputs);
+    steps.into_iter().enumerate().map(move |(index, step)| Pass { info: info(&step), step, index })
+}
+
+/// The parts that the passes of a frame use.
+fn used_parts(steps: &[Step]) -> Vec<Part> {
+    let mut parts = Vec::new();
+    let bound = steps.iter().flat_map(|step| step.pass.bindings).filter(|binding| binding.used.is_some());
+    for part in bound.filter_map(|binding| if let Slot::Part(part) = binding.slot { Some(part) } else { None }) {
+        if !parts.contains(&part) {
+            parts.push(part);
+        }
+    }
+    parts
+}
+
+/// Tells the passes over lattices their places among them.
+fn write_lattices(buffers: &NodeBuffers, queue: &wgpu::Queue, slot: u64, ready: &[ReadyPass], lattices: &LatticeSteps) {
+    for at in ready.iter().filter_map(|ready| ready.pass.step.lattice) {
+        buffers.steps().write(queue, slot, at.index(), lattices.step(at));
+    }
+}
+
+/// Tells the passes that cast rays their samples.
+fn write_casting(
+    buffers: &NodeBuffers,
+    queue: &wgpu::Queue,
+    slot: u64,
+    ready: &[ReadyPass],
+    casting: &CastingUniform,
+    shape: &Shape,
+) {
+    for pass in ready {
+        let Some(samples) = pass.pass.step.samples else { continue };
+        let step = samples.step().zip(shape.lattices.as_ref()).map(|(at, lattices)| *lattices.step(at));
+        // The audit's are not the image's.
+        let keeps = u32::from(shape.rays && samples != CastSamples::Audited);
+        let uniform = CastingUniform { samples: samples.code(), keeps, step: step.unwrap_or_default(), ..*casting };
+        buffers.casting().write(queue, slot, samples.index(), &uniform);
+    }
+}

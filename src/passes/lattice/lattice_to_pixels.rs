@@ -1,0 +1,51 @@
+//! lattice_to_pixels: takes S from the finest lattice, and decides which windows are refined beyond it.
+
+use crate::gpu::binding::{Binding, PassData, Slot};
+use crate::gpu::modules::{Base, Module};
+use crate::host::graph::{Grid, Part, PassKind, Rounds, Stage};
+
+static MODULE: Module = Module {
+    name: "lattice_to_pixels",
+    base: Base::GBuffer,
+    chunks: &[
+        include_str!("../../../shaders/lattice/lattice.wgsl"),
+        include_str!("../../../shaders/swap/lattice_colors.wgsl"),
+        include_str!("../../../shaders/shared/bilateral.wgsl"),
+        include_str!("../../../shaders/shared/display.wgsl"),
+        include_str!("../../../shaders/lattice/residual.wgsl"),
+        include_str!("../../../shaders/lattice/lattice_to_pixels.wgsl"),
+    ],
+};
+
+const fn bindings(counted: bool) -> [Binding; 6] {
+    [
+        Binding::read(0, "daa_step", Slot::Step),
+        Binding::update(1, "daa_points", Slot::Part(Part::LatticePoints)).only_read(),
+        Binding::update(2, "daa_lattice_colors", Slot::Part(Part::LatticeColors)).only_read(),
+        Binding::write(3, "daa_first", Slot::Part(Part::First)),
+        Binding::write(4, "daa_counts", Slot::Part(Part::Counts)).if_used(counted),
+        Binding::write(5, "daa_plan", Slot::Part(Part::Plan)).if_used(!counted),
+    ]
+}
+
+/// Nothing is refined beyond, and no plan follows: it writes the plan itself.
+pub(crate) static FINAL: PassData = PassData {
+    names: &["lattice_to_pixels"],
+    kind: PassKind::LatticeToPixels,
+    module: &MODULE,
+    gbuffer: true,
+    bindings: &bindings(false),
+    stages: &[Stage::new("daa_lattice_to_pixels_main", Grid::Tiles)],
+    rounds: Rounds::Once,
+};
+
+/// It counts for a plan.
+pub(crate) static COUNTED: PassData = PassData {
+    names: &["lattice_to_pixels"],
+    kind: PassKind::LatticeToPixels,
+    module: &MODULE,
+    gbuffer: true,
+    bindings: &bindings(true),
+    stages: &[Stage::new("daa_lattice_to_pixels_main", Grid::Tiles)],
+    rounds: Rounds::Once,
+};

@@ -1,0 +1,34 @@
+//! points: shades the chosen points of a lattice.
+
+use crate::gpu::binding::{Binding, PassData, Slot, by_level};
+use crate::gpu::modules::{Base, Module};
+use crate::host::graph::{Grid, Part, PassKind, Rounds, Stage};
+
+static MODULE: Module = Module {
+    name: "points",
+    base: Base::Shading,
+    chunks: &[
+        include_str!("../../../shaders/lattice/lattice.wgsl"),
+        include_str!("../../../shaders/swap/lattice_colors.wgsl"),
+        include_str!("../../../shaders/lattice/listing.wgsl"),
+        include_str!("../../../shaders/lattice/points.wgsl"),
+    ],
+};
+
+/// Points along one side of a workgroup's block: `DAA_LANE_SIDE` of listing.wgsl for each of 8 lanes.
+pub(crate) const BLOCK: u32 = 32;
+
+pub(crate) static POINTS: PassData = PassData {
+    names: by_level!("points"),
+    kind: PassKind::Points,
+    module: &MODULE,
+    gbuffer: true,
+    bindings: &[
+        Binding::read(0, "daa_step", Slot::Step),
+        Binding::update(1, "daa_points", Slot::Part(Part::LatticePoints)),
+        Binding::update(2, "daa_lattice_colors", Slot::Part(Part::LatticeColors)),
+        Binding::write(3, "daa_statistics", Slot::Part(Part::Counters)),
+    ],
+    stages: &[Stage::new("daa_points_main", Grid::Points(BLOCK))],
+    rounds: Rounds::Once,
+};

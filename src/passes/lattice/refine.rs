@@ -1,0 +1,62 @@
+//! refine: which points of a lattice are worth their own sample, and what the others are.
+
+use crate::gpu::binding::{Binding, PassData, Slot, by_level};
+use crate::gpu::modules::{Base, Module};
+use crate::host::graph::{Grid, Part, PassKind, Rounds, Stage};
+
+static OF_COLORS: Module = Module {
+    name: "refine",
+    base: Base::Found,
+    chunks: &[
+        include_str!("../../../shaders/lattice/lattice.wgsl"),
+        include_str!("../../../shaders/swap/lattice_colors.wgsl"),
+        include_str!("../../../shaders/shared/bilateral.wgsl"),
+        include_str!("../../../shaders/shared/display.wgsl"),
+        include_str!("../../../shaders/lattice/residual.wgsl"),
+        include_str!("../../../shaders/lattice/refine.wgsl"),
+    ],
+};
+
+static OF_RAYS: Module = Module {
+    name: "refine rays",
+    base: Base::GBuffer,
+    chunks: &[
+        include_str!("../../../shaders/lattice/lattice.wgsl"),
+        include_str!("../../../shaders/swap/lattice_rays.wgsl"),
+        include_str!("../../../shaders/shared/bilateral.wgsl"),
+        include_str!("../../../shaders/shared/display.wgsl"),
+        include_str!("../../../shaders/lattice/residual.wgsl"),
+        include_str!("../../../shaders/lattice/refine.wgsl"),
+    ],
+};
+
+/// By what was shaded.
+pub(crate) static COLORS: PassData = PassData {
+    names: by_level!("refine"),
+    kind: PassKind::Refine,
+    module: &OF_COLORS,
+    gbuffer: true,
+    bindings: &[
+        Binding::read(0, "daa_step", Slot::Step),
+        Binding::update(1, "daa_points", Slot::Part(Part::LatticePoints)),
+        Binding::update(2, "daa_lattice_colors", Slot::Part(Part::LatticeColors)),
+    ],
+    stages: &[Stage::new("daa_refine_judge", Grid::Parents), Stage::new("daa_refine_main", Grid::Cells)],
+    rounds: Rounds::Once,
+};
+
+/// By what rays found.
+pub(crate) static RAYS: PassData = PassData {
+    names: by_level!("refine rays"),
+    kind: PassKind::Refine,
+    module: &OF_RAYS,
+    gbuffer: true,
+    bindings: &[
+        Binding::read(0, "daa_step", Slot::Step),
+        Binding::update(1, "daa_points", Slot::Part(Part::LatticePoints)),
+        Binding::update(2, "daa_shadows", Slot::Part(Part::Shadows)),
+        Binding::update(3, "daa_secondary", Slot::Part(Part::Secondary)),
+    ],
+    stages: &[Stage::new("daa_refine_judge", Grid::Parents), Stage::new("daa_refine_main", Grid::Cells)],
+    rounds: Rounds::Once,
+};

@@ -1,0 +1,51 @@
+//! list: the frame's pixels ordered by k, or its samples, as one list.
+
+use crate::gpu::binding::{Binding, PassData, Slot};
+use crate::gpu::modules::{Base, Module};
+use crate::host::graph::{Grid, Part, PassKind, Rounds, Stage};
+
+static MODULE: Module = Module {
+    name: "list",
+    base: Base::GBuffer,
+    chunks: &[include_str!("../../shaders/shared/work.wgsl"), include_str!("../../shaders/passes/list.wgsl")],
+};
+
+/// A row for each k.
+pub(crate) static PIXELS: PassData = PassData {
+    names: &["list"],
+    kind: PassKind::List,
+    module: &MODULE,
+    gbuffer: false,
+    bindings: &[
+        Binding::read(0, "daa_plan", Slot::Part(Part::Plan)),
+        Binding::update(1, "daa_rows", Slot::Part(Part::PixelListRows)),
+        Binding::write(2, "daa_list", Slot::Part(Part::PixelListEntries)),
+        Binding::update(3, "daa_work", Slot::Part(Part::PixelListWork)),
+    ],
+    stages: &[
+        Stage::new("daa_list_count_pixels", Grid::TileRuns),
+        Stage::new("daa_list_scan", Grid::Counts),
+        Stage::new("daa_list_pixels", Grid::TileRuns),
+    ],
+    rounds: Rounds::Once,
+};
+
+/// All in one row.
+pub(crate) static SAMPLES: PassData = PassData {
+    names: &["list"],
+    kind: PassKind::List,
+    module: &MODULE,
+    gbuffer: false,
+    bindings: &[
+        Binding::read(0, "daa_plan", Slot::Part(Part::Plan)),
+        Binding::update(1, "daa_rows", Slot::Part(Part::SampleListRows)),
+        Binding::write(2, "daa_list", Slot::Part(Part::SampleListEntries)),
+        Binding::update(3, "daa_work", Slot::Part(Part::SampleListWork)),
+    ],
+    stages: &[
+        Stage::new("daa_list_count_samples", Grid::TileRuns),
+        Stage::new("daa_list_scan", Grid::One),
+        Stage::new("daa_list_samples", Grid::Tiles),
+    ],
+    rounds: Rounds::Once,
+};

@@ -1,0 +1,21 @@
+//! max_filter: every pixel takes the greatest k of its block of 6 × 6 pixels.
+
+use crate::gpu::binding::{Binding, PassData, Slot};
+use crate::gpu::modules::{Base, Module};
+use crate::host::graph::{Grid, Part, PassKind, Rounds, Stage};
+
+static MODULE: Module =
+    Module { name: "max_filter", base: Base::GBuffer, chunks: &[include_str!("../../shaders/passes/max_filter.wgsl")] };
+
+pub(crate) static MAX_FILTER: PassData = PassData {
+    names: &["max_filter"],
+    kind: PassKind::MaxFilter,
+    module: &MODULE,
+    gbuffer: false,
+    bindings: &[Binding::update(0, "daa_counts", Slot::Part(Part::Counts))],
+    stages: &[
+        // 8 blocks of 6 pixels along either side.
+        Stage::new("daa_max_filter_main", Grid::Pixels(48)),
+    ],
+    rounds: Rounds::Once,
+};

@@ -1,0 +1,21 @@
+//! metrics: how many samples each window is worth.
+
+use crate::gpu::binding::{Binding, PassData, Slot};
+use crate::gpu::modules::{Base, Module};
+use crate::host::graph::{Grid, Part, PassKind, Rounds, Stage};
+
+static MODULE: Module =
+    Module { name: "metrics", base: Base::Found, chunks: &[include_str!("../../shaders/passes/metrics.wgsl")] };
+
+pub(crate) static METRICS: PassData = PassData {
+    names: &["metrics"],
+    kind: PassKind::Metrics,
+    module: &MODULE,
+    gbuffer: true,
+    bindings: &[
+        Binding::read(0, "daa_first", Slot::Part(Part::First)),
+        Binding::write(1, "daa_counts", Slot::Part(Part::Counts)),
+    ],
+    stages: &[Stage::new("daa_metrics_main", Grid::Tiles)],
+    rounds: Rounds::Once,
+};

@@ -1,0 +1,83 @@
+//! The passes, each declared once: what its shader is, what it binds, what it runs. They know nothing of each other, nor of frames.
+
+pub(crate) mod audit;
+pub(crate) mod check;
+pub(crate) mod first;
+pub(crate) mod lattice;
+pub(crate) mod list;
+pub(crate) mod max_filter;
+pub(crate) mod metrics;
+pub(crate) mod plan;
+pub(crate) mod quadrants;
+pub(crate) mod rays;
+pub(crate) mod reconstruct;
+pub(crate) mod resolve;
+pub(crate) mod select;
+pub(crate) mod shade;
+pub(crate) mod shade_listed;
+pub(crate) mod view;
+
+use crate::gpu::binding::PassData;
+use crate::wgsl::chunk;
+
+/// All of them.
+pub(crate) static ALL: &[&PassData] = &[
+    &audit::AUDIT,
+    &check::CHECK,
+    &first::FIRST,
+    &lattice::lattice_to_pixels::FINAL,
+    &lattice::lattice_to_pixels::COUNTED,
+    &lattice::points::POINTS,
+    &lattice::refine::COLORS,
+    &lattice::refine::RAYS,
+    &list::PIXELS,
+    &list::SAMPLES,
+    &max_filter::MAX_FILTER,
+    &metrics::METRICS,
+    &plan::PLAN,
+    &quadrants::ACTIVE,
+    &quadrants::BETWEEN,
+    &rays::bounce::FIRST,
+    &rays::bounce::FULL,
+    &rays::bounce::PLANNED,
+    &rays::bounce::AUDITED,
+    &rays::bounce::GEOMETRIC,
+    &rays::bounce::POINTS,
+    &rays::classify::CLASSIFY,
+    &rays::trace::FIRST,
+    &rays::trace::FULL,
+    &rays::trace::PLANNED,
+    &rays::trace::AUDITED,
+    &rays::trace::GEOMETRIC,
+    &rays::trace::POINTS,
+    &reconstruct::RECONSTRUCT,
+    &resolve::FIRST,
+    &resolve::COLOR,
+    &resolve::BY_PLAN,
+    &resolve::LATTICE,
+    &select::SELECT,
+    &shade::FULL,
+    &shade::LOOP,
+    &shade::TILED,
+    &shade_listed::SORTED,
+    &shade_listed::BUCKETED,
+    &shade_listed::PACKED,
+    &view::GBUFFER,
+    &view::SURFACES,
+    &view::FIRST,
+    &view::PLAN,
+    &view::UNPLANNED,
+    &view::TILES,
+    &view::SHADOWS,
+    &view::RAYS,
+    &view::NOTHING,
+];
+
+/// Every text of the crate's WGSL, each once: what a result depends on, for a host that keeps results.
+pub fn shader_texts() -> Vec<&'static str> {
+    let own = ALL.iter().flat_map(|pass| pass.module.chunks.iter().copied());
+    let mut all: Vec<_> = chunk::ALL.into_iter().chain([include_str!("../../shaders/pack.wgsl")]).chain(own).collect();
+    all.sort_unstable();
+    all.dedup();
+    all
+}

@@ -1,0 +1,22 @@
+//! plan: where each window's samples lie in its tile's list, and what the frame will shade.
+
+use crate::gpu::binding::{Binding, PassData, Slot};
+use crate::gpu::modules::{Base, Module};
+use crate::host::graph::{Grid, Part, PassKind, Rounds, Stage};
+
+static MODULE: Module =
+    Module { name: "plan", base: Base::GBuffer, chunks: &[include_str!("../../shaders/passes/plan.wgsl")] };
+
+pub(crate) static PLAN: PassData = PassData {
+    names: &["plan"],
+    kind: PassKind::Plan,
+    module: &MODULE,
+    gbuffer: false,
+    bindings: &[
+        Binding::read(0, "daa_counts", Slot::Part(Part::Counts)),
+        Binding::write(1, "daa_plan", Slot::Part(Part::Plan)),
+        Binding::write(2, "daa_statistics", Slot::Part(Part::Counters)),
+    ],
+    stages: &[Stage::new("daa_plan_main", Grid::TileRuns)],
+    rounds: Rounds::Once,
+};

@@ -1,0 +1,50 @@
+//! quadrants: the samples of active quadrants, and their mean with the first samples.
+
+use crate::gpu::binding::{Binding, PassData, Slot};
+use crate::gpu::modules::{Base, Module};
+use crate::gpu::sizes::WORK_GROUPS_AT;
+use crate::host::graph::{Grid, Part, PassKind, Rounds, Stage};
+
+static MODULE: Module = Module {
+    name: "quadrants",
+    base: Base::Shading,
+    chunks: &[
+        include_str!("../../shaders/shared/ranks.wgsl"),
+        include_str!("../../shaders/shared/work.wgsl"),
+        include_str!("../../shaders/passes/quadrants.wgsl"),
+    ],
+};
+
+const BINDINGS: [Binding; 6] = [
+    Binding::read(0, "daa_first", Slot::Part(Part::First)),
+    Binding::read(1, "daa_plan", Slot::Part(Part::Plan)),
+    Binding::write(2, "daa_color", Slot::Part(Part::Color)),
+    Binding::write(3, "daa_statistics", Slot::Part(Part::Counters)),
+    Binding::read(4, "daa_list", Slot::Part(Part::PixelListEntries)),
+    Binding::read(5, "daa_work", Slot::Part(Part::PixelListWork)),
+];
+
+const LISTED: Stage =
+    Stage::new("daa_quadrants_active", Grid::Indirect { part: Part::PixelListWork, offset: WORK_GROUPS_AT });
+
+/// Pixels without an active quadrant are left alone.
+pub(crate) static ACTIVE: PassData = PassData {
+    names: &["quadrants"],
+    kind: PassKind::Quadrants,
+    module: &MODULE,
+    gbuffer: true,
+    bindings: &BINDINGS,
+    stages: &[LISTED],
+    rounds: Rounds::Once,
+};
+
+/// All pixels: quadrants that are not active are interpolated.
+pub(crate) static BETWEEN: PassData = PassData {
+    names: &["quadrants"],
+    kind: PassKind::Quadrants,
+    module: &MODULE,
+    gbuffer: true,
+    bindings: &BINDINGS,
+    stages: &[LISTED, Stage::new("daa_quadrants_between", Grid::Tiles)],
+    rounds: Rounds::Once,
+};

@@ -1,0 +1,86 @@
+//! bounce: mirrored and refracted rays from samples whose material sends them.
+
+use super::{Cast, over_audited, over_points, over_tiles};
+use crate::gpu::binding::{Binding, PassData, Slot, by_level};
+use crate::gpu::modules::{Base, Module};
+use crate::host::graph::{Part, PassKind, Rounds};
+
+static MODULE: Module = Module {
+    name: "bounce",
+    base: Base::Casting { shades: true },
+    chunks: &[include_str!("../../../shaders/rays/bounce.wgsl")],
+};
+
+/// And a bit for each material: it sends rays.
+const fn bindings(cast: Cast) -> [Binding; 10] {
+    let [a, b, c, d, e, f, g, h, i] = cast.bindings();
+    [a, b, c, d, e, f, g, h, i, Binding::read(9, "daa_bouncing", Slot::Bouncing)]
+}
+
+const FOUND: (&str, Part) = ("daa_secondary", Part::Secondary);
+
+/// The first samples.
+pub(crate) static FIRST: PassData = PassData {
+    names: &["bounce first"],
+    kind: PassKind::Bounce,
+    module: &MODULE,
+    gbuffer: true,
+    bindings: &bindings(Cast { found: FOUND, plan: false, tiles: true, points: false, earlier: false }),
+    stages: &[over_tiles("daa_bounce_main", 1)],
+    rounds: Rounds::Once,
+};
+
+/// Every sample, for `Full`.
+pub(crate) static FULL: PassData = PassData {
+    names: &["bounce"],
+    kind: PassKind::Bounce,
+    module: &MODULE,
+    gbuffer: true,
+    bindings: &bindings(Cast { found: FOUND, plan: false, tiles: true, points: false, earlier: false }),
+    stages: &[over_tiles("daa_bounce_main", 1)],
+    rounds: Rounds::Once,
+};
+
+/// The samples that the plan has beyond the first.
+pub(crate) static PLANNED: PassData = PassData {
+    names: &["bounce"],
+    kind: PassKind::Bounce,
+    module: &MODULE,
+    gbuffer: true,
+    bindings: &bindings(Cast { found: FOUND, plan: true, tiles: true, points: false, earlier: false }),
+    stages: &[over_tiles("daa_bounce_main", 1)],
+    rounds: Rounds::Once,
+};
+
+/// Those of audited tiles that were not planned.
+pub(crate) static AUDITED: PassData = PassData {
+    names: &["bounce audited"],
+    kind: PassKind::Bounce,
+    module: &MODULE,
+    gbuffer: true,
+    bindings: &bindings(Cast { found: FOUND, plan: true, tiles: false, points: false, earlier: false }),
+    stages: &[over_audited("daa_bounce_main")],
+    rounds: Rounds::Once,
+};
+
+/// The geometric samples beyond the first, for `Reconstructed`.
+pub(crate) static GEOMETRIC: PassData = PassData {
+    names: &["bounce"],
+    kind: PassKind::Bounce,
+    module: &MODULE,
+    gbuffer: true,
+    bindings: &bindings(Cast { found: FOUND, plan: false, tiles: true, points: false, earlier: true }),
+    stages: &[over_tiles("daa_bounce_main", 1)],
+    rounds: Rounds::Once,
+};
+
+/// The chosen points of a lattice.
+pub(crate) static POINTS: PassData = PassData {
+    names: by_level!("bounce"),
+    kind: PassKind::Bounce,
+    module: &MODULE,
+    gbuffer: true,
+    bindings: &bindings(Cast { found: FOUND, plan: false, tiles: false, points: true, earlier: false }),
+    stages: &[over_points("daa_bounce_main")],
+    rounds: Rounds::Once,
+};

@@ -1,0 +1,113 @@
+//! view: a debug view in place of resolve.
+
+use crate::gpu::binding::{Binding, PassData, Slot};
+use crate::gpu::modules::{Base, Module};
+use crate::host::graph::{Grid, Part, PassKind, Rounds, Stage};
+
+static MODULE: Module = Module {
+    name: "view",
+    base: Base::GBuffer,
+    chunks: &[include_str!("../../shaders/shared/fullscreen.wgsl"), include_str!("../../shaders/passes/view.wgsl")],
+};
+
+/// A channel of what the host rendered.
+pub(crate) static GBUFFER: PassData = PassData {
+    names: &["view"],
+    kind: PassKind::View,
+    module: &MODULE,
+    gbuffer: true,
+    bindings: &[],
+    stages: &[Stage::new("daa_view_gbuffer", Grid::Target)],
+    rounds: Rounds::Once,
+};
+
+/// How many surfaces each window holds.
+pub(crate) static SURFACES: PassData = PassData {
+    names: &["view"],
+    kind: PassKind::View,
+    module: &MODULE,
+    gbuffer: true,
+    bindings: &[],
+    stages: &[Stage::new("daa_view_surfaces", Grid::Target)],
+    rounds: Rounds::Once,
+};
+
+/// S.
+pub(crate) static FIRST: PassData = PassData {
+    names: &["view"],
+    kind: PassKind::View,
+    module: &MODULE,
+    gbuffer: false,
+    bindings: &[Binding::read(0, "daa_first", Slot::Part(Part::First))],
+    stages: &[Stage::new("daa_view_first", Grid::Target)],
+    rounds: Rounds::Once,
+};
+
+/// What the plan says.
+pub(crate) static PLAN: PassData = PassData {
+    names: &["view"],
+    kind: PassKind::View,
+    module: &MODULE,
+    gbuffer: false,
+    bindings: &[Binding::read(1, "daa_plan", Slot::Part(Part::Plan))],
+    stages: &[Stage::new("daa_view_plan", Grid::Target)],
+    rounds: Rounds::Once,
+};
+
+/// The same for techniques that plan nothing.
+pub(crate) static UNPLANNED: PassData = PassData {
+    names: &["view"],
+    kind: PassKind::View,
+    module: &MODULE,
+    gbuffer: false,
+    bindings: &[],
+    stages: &[Stage::new("daa_view_unplanned", Grid::Target)],
+    rounds: Rounds::Once,
+};
+
+/// Where rays were dispatched.
+pub(crate) static TILES: PassData = PassData {
+    names: &["view"],
+    kind: PassKind::View,
+    module: &MODULE,
+    gbuffer: false,
+    bindings: &[Binding::read(2, "daa_tile_lists", Slot::Part(Part::Tiles))],
+    stages: &[Stage::new("daa_view_tiles", Grid::Target)],
+    rounds: Rounds::Once,
+};
+
+/// Which lights reach the first samples.
+pub(crate) static SHADOWS: PassData = PassData {
+    names: &["view"],
+    kind: PassKind::View,
+    module: &MODULE,
+    gbuffer: true,
+    bindings: &[Binding::read(3, "daa_shadows", Slot::Part(Part::Shadows))],
+    stages: &[Stage::new("daa_view_shadows", Grid::Target)],
+    rounds: Rounds::Once,
+};
+
+/// How many rays the samples sent.
+pub(crate) static RAYS: PassData = PassData {
+    names: &["view"],
+    kind: PassKind::View,
+    module: &MODULE,
+    gbuffer: false,
+    bindings: &[
+        Binding::read(3, "daa_shadows", Slot::Part(Part::Shadows)),
+        Binding::read(4, "daa_secondary", Slot::Part(Part::Secondary)),
+    ],
+    stages: &[Stage::new("daa_view_rays", Grid::Target)],
+    rounds: Rounds::Once,
+};
+
+/// Where no ray was asked for.
+pub(crate) static NOTHING: PassData = PassData {
+    names: &["view"],
+    kind: PassKind::View,
+    module: &MODULE,
+    gbuffer: false,
+    bindings: &[],
+    stages: &[Stage::new("daa_view_nothing", Grid::Target)],
+    rounds: Rounds::Once,
+};

@@ -1,0 +1,34 @@
+//! `Full`: every sample is shaded. The grid reference.
+
+use super::image::{Shown, image_or_view};
+use super::method::{Counted, Effort, Method, Windows};
+use super::rays;
+use crate::gpu::casting::CastSamples;
+use crate::gpu::frame_uniform::{FrameUniform, flag};
+use crate::gpu::step::Steps;
+use crate::host::needs::RayInputs;
+use crate::host::statistics::Counters;
+use crate::passes::{first, resolve, shade};
+use crate::settings::{DebugView, Settings};
+
+pub(super) struct Full;
+
+impl Method for Full {
+    fn uniform(&self, _: &Settings, _: u32, _: Option<Effort>, uniform: &mut FrameUniform) {
+        uniform.flag(flag::FULL, true);
+    }
+
+    fn steps(&self, settings: &Settings, inputs: RayInputs) -> Steps {
+        let shown = Shown { image: &resolve::COLOR, planned: false, classified: inputs.any(), inputs };
+        Steps::default()
+            .then_all(rays::classified(inputs))
+            .then_all(rays::cast(inputs, CastSamples::Full))
+            .then_if(settings.view == DebugView::First, &first::FIRST)
+            .then(&shade::FULL)
+            .then(image_or_view(settings, &shown))
+    }
+
+    fn count(&self, _: &Counters, of: Windows) -> Counted {
+        Counted::uniform(of.n, of)
+    }
+}

@@ -1,0 +1,27 @@
+//! From counts of samples to shaded windows: what `Windowed` and `MultiResolution` have in common.
+
+use super::rays;
+use crate::gpu::binding::PassData;
+use crate::gpu::casting::CastSamples;
+use crate::gpu::step::{Step, Steps};
+use crate::host::needs::RayInputs;
+use crate::passes::{list, max_filter, plan, shade, shade_listed};
+use crate::settings::Execution;
+
+/// Plans the samples beyond the first, casts their rays, and shades them.
+pub(super) fn planned(execution: Execution, inputs: RayInputs) -> Vec<Step> {
+    let (listed, shade): (Option<&'static PassData>, &'static PassData) = match execution {
+        Execution::Loop | Execution::MaxFiltered => (None, &shade::LOOP),
+        Execution::Tiled => (None, &shade::TILED),
+        Execution::Bucketed => (Some(&list::PIXELS), &shade_listed::BUCKETED),
+        Execution::Sorted => (Some(&list::PIXELS), &shade_listed::SORTED),
+        Execution::Packed => (Some(&list::SAMPLES), &shade_listed::PACKED),
+    };
+    Steps::default()
+        .then_if(execution == Execution::MaxFiltered, &max_filter::MAX_FILTER)
+        .then(&plan::PLAN)
+        .then_all(rays::cast(inputs, CastSamples::Planned))
+        .then_all(listed.map(Step::from))
+        .then(shade)
+        .0
+}

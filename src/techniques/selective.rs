@@ -1,0 +1,79 @@
+//! `Selective`: four samples of each quadrant that contrasts with its corner (Jin, Ihm, Chang, Park, Lee, Jung 2009).
+
+use super::image::{Shown, image_or_view};
+use super::method::{Counted, Effort, Method, Windows, nothing};
+use super::rays;
+use crate::gpu::binding::PassData;
+use crate::gpu::buffers::check_marks;
+use crate::gpu::casting::CastSamples;
+use crate::gpu::frame_uniform::{FrameUniform, SelectiveUniform, flag};
+use crate::gpu::step::Steps;
+use crate::host::error::RecordError;
+use crate::host::needs::{Needs, RayInputs};
+use crate::host::statistics::Counters;
+use crate::passes::{first, list, quadrants, resolve, select};
+use crate::settings::{ColorReference, LuminanceCurve, Settings};
+use crate::window;
+
+pub(super) struct Selective;
+
+/// `DAA_OFF` of select.wgsl: more than any contrast, and than any threshold that is on.
+pub(crate) const OFF: f32 = 2.0;
+
+impl Method for Selective {
+    fn check(&self, _: &Settings, needs: &Needs<'_>, _: [u32; 2], _: u32) -> Result<(), RecordError> {
+        check_marks(needs)
+    }
+
+    fn uniform(&self, settings: &Settings, m: u32, _: Option<Effort>, uniform: &mut FrameUniform) {
+        let s = &settings.selective;
+        uniform.flag(flag::SELECTIVE, true);
+        uniform.flag(flag::LUMINANCE_PERCEPTUAL, s.curve == LuminanceCurve::Perceptual);
+        uniform.flag(flag::EDGE_AWARE_FIRST, s.edge_aware_first);
+        uniform.flag(flag::SHADOW_LIGHTS, s.shadow_lights);
+        uniform.flag(flag::BILINEAR, s.bilinear);
+        uniform.flag(flag::FOCUSED, s.focused);
+        uniform.flag(flag::BY_LUMINANCE, s.reference == ColorReference::Luminance);
+        uniform.flag(flag::BY_GRADIENT, s.reference == ColorReference::Gradient);
+        uniform.footprint = s.footprint;
+        let thresholds = s.thresholds().map(|(_, tau, on)| if on { tau } else { OFF });
+        uniform.selective = SelectiveUniform {
+            primary: std::array::from_fn(|i| thresholds[1 + i]),
+            secondary: std::array::from_fn(|i| thresholds[5 + i]),
+            color: thresholds[0],
+            contrast_min: s.contrast_min,
+            normal_cosine: s.normal_cosine,
+            samples: window::quadrant_samples(m),
+        };
+        uniform.set_order(m, &window::centred(m));
+    }
+
+    fn steps(&self, settings: &Settings, inputs: RayInputs) -> Steps {
+        let (shade, image): (&'static PassData, &'static PassData) = if settings.selective.bilinear {
+            (&quadrants::BETWEEN, &resolve::COLOR)
+        } else {
+            (&quadrants::ACTIVE, &resolve::BY_PLAN)
+        };
+        Steps::default()
+            .then_all(rays::classified(inputs))
+            .then_all(rays::cast(inputs, CastSamples::First))
+            .then(&first::FIRST)
+            .then(&select::SELECT)
+            .then_all(rays::cast(inputs, CastSamples::Planned))
+            .then(&list::PIXELS)
+            .then(shade)
+            .then(image_or_view(settings, &Shown { image, planned: true, classified: inputs.any(), inputs }))
+    }
+
+    fn count(&self, counters: &Counters, of: Windows) -> Counted {
+        Counted::by_k(counters, of.n, nothing(of))
+    }
+
+    fn reads_marks(&self) -> bool {
+        true
+    }
+
+    fn reads_hits(&self) -> bool {
+        true
+    }
+}

@@ -1,0 +1,31 @@
+//! `Single`: one sample a pixel. Plain deferred shading.
+
+use super::image::{Shown, image_or_view};
+use super::method::{Counted, Effort, Method, Windows};
+use super::rays;
+use crate::gpu::casting::CastSamples;
+use crate::gpu::frame_uniform::FrameUniform;
+use crate::gpu::step::Steps;
+use crate::host::needs::RayInputs;
+use crate::host::statistics::Counters;
+use crate::passes::{first, resolve};
+use crate::settings::Settings;
+
+pub(super) struct Single;
+
+impl Method for Single {
+    fn uniform(&self, _: &Settings, _: u32, _: Option<Effort>, _: &mut FrameUniform) {}
+
+    fn steps(&self, settings: &Settings, inputs: RayInputs) -> Steps {
+        let shown = Shown { image: &resolve::FIRST, planned: false, classified: inputs.any(), inputs };
+        Steps::default()
+            .then_all(rays::classified(inputs))
+            .then_all(rays::cast(inputs, CastSamples::First))
+            .then(&first::FIRST)
+            .then(image_or_view(settings, &shown))
+    }
+
+    fn count(&self, _: &Counters, of: Windows) -> Counted {
+        Counted::uniform(1, of)
+    }
+}

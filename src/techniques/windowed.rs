@@ -1,0 +1,75 @@
+//! `Windowed`: k samples of each window, by what differs in it (Holländer, Boubekeur, Eisemann 2013).
+
+use super::image::{Shown, image_or_view};
+use super::method::{Counted, Effort, Method, Windows};
+use super::planned::planned;
+use super::rays;
+use crate::gpu::casting::CastSamples;
+use crate::gpu::frame_uniform::{FrameUniform, WindowedUniform, flag};
+use crate::gpu::step::Steps;
+use crate::host::needs::RayInputs;
+use crate::host::statistics::Counters;
+use crate::passes::{audit, first, metrics, resolve};
+use crate::settings::{DepthMeasure, Execution, Goal, LuminanceCurve, Settings};
+use crate::window;
+
+pub(super) struct Windowed;
+
+impl Method for Windowed {
+    fn uniform(&self, settings: &Settings, m: u32, effort: Option<Effort>, uniform: &mut FrameUniform) {
+        let at = |effort: f32| settings.windowed.at_effort(effort, m);
+        let w = effort.map_or(settings.windowed, |e| at(e.effort));
+        uniform.flag(flag::DEPTH_PLANE, w.depth == DepthMeasure::Discontinuity);
+        uniform.flag(flag::TWO_SIDED, w.two_sided);
+        uniform.flag(flag::LUMINANCE_PERCEPTUAL, w.luminance == LuminanceCurve::Perceptual);
+        uniform.flag(flag::LUMINANCE_CENTRE, w.luminance_centre);
+        uniform.flag(flag::EDGE_AWARE_FIRST, w.edge_aware_first);
+        uniform.footprint = w.footprint;
+        uniform.least_samples = w.least_samples;
+        uniform.tile_limit = w.tile_limit;
+        uniform.windowed = WindowedUniform {
+            depth_scale: w.depth_scale,
+            normal_scale: w.normal_scale,
+            luminance_scale: w.luminance_scale * m as f32 / 4.0,
+            luminance_min: w.luminance_min,
+            luminance_edge: w.luminance_edge,
+            identity_samples: w.identity_samples,
+            shadow_samples: w.shadow_samples,
+            padding: 0,
+        };
+        if let Some(e) = effort {
+            uniform.audit.least_samples = at(e.effort - e.step).least_samples;
+        }
+        if w.centred {
+            uniform.set_centres(m, &window::order(m));
+        }
+    }
+
+    fn steps(&self, settings: &Settings, inputs: RayInputs) -> Steps {
+        let shown = Shown { image: &resolve::BY_PLAN, planned: true, classified: inputs.any(), inputs };
+        let steps = Steps::default()
+            .then_all(rays::classified(inputs))
+            .then_all(rays::cast(inputs, CastSamples::First))
+            .then(&first::FIRST)
+            .then(&metrics::METRICS)
+            .then_all(planned(settings.execution, inputs))
+            .then(image_or_view(settings, &shown));
+        if !matches!(settings.goal, Some(Goal::Error(_))) {
+            return steps;
+        }
+        // Behind the image, which does not wait for it.
+        steps.then_all(rays::cast(inputs, CastSamples::Audited)).then(&audit::AUDIT)
+    }
+
+    fn count(&self, counters: &Counters, of: Windows) -> Counted {
+        Counted::by_k(counters, of.n, counters.decided)
+    }
+
+    fn execution(&self, settings: &Settings) -> Option<Execution> {
+        Some(settings.execution)
+    }
+
+    fn has_effort(&self) -> bool {
+        true
+    }
+}

@@ -1,0 +1,378 @@
+//! The host's WGSL, checked before wgpu sees it, and the crate's chunks that it is joined with, verbatim.
+
+pub(crate) mod chunk;
+mod tokens;
+
+pub(crate) use tokens::tokens;
+
+use crate::host::error::{ShadingError, ShadingErrorKind};
+use crate::host::table::TextureTier;
+use naga::common::wgsl::TypeContext as _;
+use std::ops::Range;
+use tokens::{declarations, unclosed};
+
+/// The WGSL of `daa_texture` on a tier, without the directive that the binding tier needs.
+pub(crate) fn table_chunk(tier: TextureTier) -> &'static str {
+    match tier {
+        TextureTier::None => chunk::TABLE_NONE,
+        TextureTier::Arrays => chunk::TABLE_ARRAYS,
+        TextureTier::Bindings => chunk::TABLE_BINDINGS,
+    }
+}
+
+/// Directives come before all else, so this goes in front of the host's source.
+pub(crate) fn directives(tier: TextureTier) -> &'static str {
+    match tier {
+        TextureTier::Bindings => "enable wgpu_binding_array;\n",
+        _ => "",
+    }
+}
+
+/// The host's WGSL, found sound.
+#[derive(Debug, Clone)]
+pub(crate) struct HostSource {
+    pub source: String,
+    tier: TextureTier,
+    split: bool,
+    sky: bool,
+    /// It says where masked materials are solid.
+    pub solid: bool,
+    /// It says what surfaces reflect and refract.
+    pub bounces: bool,
+}
+
+const SHADE: (&str, &str) = ("shade", "fn shade(s: DaaSample) -> vec4f");
+const MATERIAL: (&str, &str) = ("material", "fn material(s: DaaSample) -> DaaMaterial");
+const LIGHT: (&str, &str) = ("light", "fn light(f: DaaSurface, m: DaaMaterial) -> vec4f");
+const SKY: (&str, &str) = ("sky", "fn sky(s: DaaSample) -> vec4f");
+const BOUNCE: (&str, &str) = ("bounce", "fn bounce(s: DaaSample) -> DaaBounce");
+const SOLID: (&str, &str) = ("solid", "fn solid(material: u32, uv: vec2f) -> bool");
+
+/// A type of a hook's signature.
+#[derive(Debug, Clone, Copy)]
+enum Type {
+    Struct(&'static str),
+    Plain(naga::Scalar, Option<naga::VectorSize>),
+}
+
+impl Type {
+    const VEC4F: Self = Self::Plain(naga::Scalar::F32, Some(naga::VectorSize::Quad));
+    const VEC2F: Self = Self::Plain(naga::Scalar::F32, Some(naga::VectorSize::Bi));
+    const U32: Self = Self::Plain(naga::Scalar::U32, None);
+    const BOOL: Self = Self::Plain(naga::Scalar::BOOL, None);
+
+    fn is(self, found: &naga::Type) -> bool {
+        match self {
+            Self::Struct(name) => found.name.as_deref() == Some(name),
+            Self::Plain(scalar, None) => found.inner == naga::TypeInner::Scalar(scalar),
+            Self::Plain(scalar, Some(size)) => found.inner == naga::TypeInner::Vector { size, scalar },
+        }
+    }
+}
+
+impl HostSource {
+    /// Parses and validates the host's source joined with the contract, on the capabilities of the device.
+    pub fn check(source: &str, file: &str, tier: TextureTier, features: wgpu::Features) -> Result<Self, ShadingError> {
+        let contract = [chunk::CONTRACT, chunk::OCTAHEDRAL, table_chunk(tier)];
+        let joined = Joined::new(directives(tier), source, &contract);
+        let at = |range: Option<Range<usize>>, kind| joined.error(file, range, kind);
+
+        // Before the parser, which would take a name of the crate's, or one that its code relies on, without a word or
+        // complain about the crate's own text.
+        for (name, range) in joined.declared() {
+            if ["daa_", "Daa", "DAA_"].iter().any(|prefix| name.starts_with(prefix)) {
+                return Err(at(Some(range), ShadingErrorKind::ReservedName(name.to_owned())));
+            }
+            if BUILTINS.contains(&name) {
+                return Err(at(Some(range), ShadingErrorKind::Clash(name.to_owned())));
+            }
+        }
+        let module = naga::front::wgsl::parse_str(&joined.text).map_err(|e| joined.parse_error(file, tier, &e))?;
+        if let (Some(range), false) = (joined.enables("f16"), features.contains(wgpu::Features::SHADER_F16)) {
+            let what = "`f16` needs a device with Features::SHADER_F16; request it, or use f32".to_owned();
+            return Err(at(Some(range), ShadingErrorKind::Wgsl(what)));
+        }
+        for (_, variable) in module.global_variables.iter() {
+            let name = variable.name.clone().unwrap_or_default();
+            if let (Some(range), Some(binding)) = (joined.declaration(&name), &variable.binding)
+                && binding.group != crate::HOST_GROUP
+            {
+                return Err(at(Some(range), ShadingErrorKind::Group { name, group: binding.group }));
+            }
+        }
+        if let Some(entry) = module.entry_points.first() {
+            let range = joined.declaration(&entry.name);
+            return Err(at(range, ShadingErrorKind::EntryPoint(entry.name.clone())));
+        }
+        let split = joined.hook(file, &module)?;
+        let sky = joined.signature(file, &module, SKY, &[Type::Struct("DaaSample")], Type::VEC4F)?;
+        let bounces =
+            joined.signature(file, &module, BOUNCE, &[Type::Struct("DaaSample")], Type::Struct("DaaBounce"))?;
+        let solid = joined.signature(file, &module, SOLID, &[Type::U32, Type::VEC2F], Type::BOOL)?;
+
+        let capabilities = wgpu_naga_bridge::features_to_naga_capabilities(features, wgpu::DownlevelFlags::all());
+        let mut validator = naga::valid::Validator::new(naga::valid::ValidationFlags::all(), capabilities);
+        let info = validator.validate(&module).map_err(|e| joined.validation_error(file, &module, &e))?;
+        for (handle, function) in module.functions.iter() {
+            let name = function.name.as_deref().unwrap_or_default();
+            let range = joined.declaration(name);
+            if range.is_some() && !info[handle].available_stages.contains(naga::valid::ShaderStages::COMPUTE) {
+                let what = format!("`{name}` takes a derivative or samples with an implicit one");
+                return Err(at(range, ShadingErrorKind::Derivative(what)));
+            }
+        }
+        Ok(Self { source: source.to_owned(), tier, split, sky, solid, bounces })
+    }
+
+    /// How the crate calls the host's functions.
+    pub fn calls(&self) -> [&'static str; 2] {
+        let hook = if self.split {
+            "fn daa_call_hook(s: DaaSample, coverage: f32) -> vec4f { return light(daa_surface(s, coverage), material(s)); }"
+        } else {
+            "fn daa_call_hook(s: DaaSample, coverage: f32) -> vec4f { return shade(s); }"
+        };
+        let sky = if self.sky {
+            "fn daa_call_sky(s: DaaSample) -> vec4f { return sky(s); }"
+        } else {
+            "fn daa_call_sky(s: DaaSample) -> vec4f { return vec4f(0.0); }"
+        };
+        [hook, sky]
+    }
+
+    /// The body of what rays ask of masked meshes.
+    pub fn solid_call(&self) -> &'static str {
+        if self.solid {
+            "fn daa_ray_solid(material: u32, uv: vec2f) -> bool { return solid(material, uv); }"
+        } else {
+            "fn daa_ray_solid(material: u32, uv: vec2f) -> bool { return true; }"
+        }
+    }
+
+    /// Directives that go in front of the source.
+    pub fn directives(&self) -> &'static str {
+        directives(self.tier)
+    }
+
+    /// `daa_texture` on the tier that the source was checked for.
+    pub fn table_chunk(&self) -> &'static str {
+        table_chunk(self.tier)
+    }
+}
+
+/// The host's source with chunks around it, and where it lies in there.
+struct Joined {
+    text: String,
+    host: Range<usize>,
+}
+
+impl Joined {
+    fn new(before: &str, host: &str, after: &[&str]) -> Self {
+        let start = before.len();
+        let mut text = format!("{before}{host}\n");
+        for chunk in after {
+            text.push_str(chunk);
+            text.push('\n');
+        }
+        Self { text, host: start..start + host.len() }
+    }
+
+    fn in_host(&self, range: Option<&Range<usize>>) -> bool {
+        range.is_some_and(|r| self.host.contains(&r.start))
+    }
+
+    /// An error at a place of the joined text, told in lines and columns of the host's file.
+    fn error(&self, file: &str, range: Option<Range<usize>>, kind: ShadingErrorKind) -> ShadingError {
+        let (mut line, mut column) = (0, 0);
+        if let Some(range) = range.filter(|r| (self.host.start..=self.host.end).contains(&r.start)) {
+            let before = &self.text[self.host.start..range.start];
+            line = before.matches('\n').count() as u32 + 1;
+            column = before.chars().rev().take_while(|&c| c != '\n').count() as u32 + 1;
+        }
+        ShadingError { file: file.to_owned(), line, column, kind }
+    }
+
+    fn parse_error(&self, file: &str, tier: TextureTier, e: &naga::front::wgsl::ParseError) -> ShadingError {
+        let mut message = one_line(e.message());
+        if tier == TextureTier::None && message.ends_with("`daa_texture`") {
+            message += ", which TextureTier::None does not have; set Descriptor::textures to another tier";
+        }
+        let host = e.labels().filter_map(|(span, _)| span.to_range()).find(|r| self.in_host(Some(r)));
+        if let Some(range) = host {
+            let notes = one_line(&e.notes().collect::<Vec<_>>().join(" "));
+            let told = if notes.is_empty() { message } else { format!("{message}; {notes}") };
+            return self.error(file, Some(range), ShadingErrorKind::Wgsl(told));
+        }
+        // The parser ran on into the crate's text: something is left open in the host's.
+        let host = &self.text[self.host.clone()];
+        match unclosed(host) {
+            Some(at) => {
+                let what = format!("this `{}` is not closed before the end of the source", &host[at..=at]);
+                self.error(file, Some(self.host.start + at..self.host.end), ShadingErrorKind::Wgsl(what))
+            }
+            None => {
+                let end = self.host.start + host.trim_end().len();
+                let what = "the source ends inside a declaration; is a semicolon missing?".to_owned();
+                self.error(file, Some(end..self.host.end), ShadingErrorKind::Wgsl(what))
+            }
+        }
+    }
+
+    fn validation_error(
+        &self,
+        file: &str,
+        module: &naga::Module,
+        e: &naga::WithSpan<naga::valid::ValidationError>,
+    ) -> ShadingError {
+        let message = explain(module, e.as_inner());
+        // The narrowest span says most; without one, a name that the message quotes.
+        let narrowest = e
+            .spans()
+            .filter_map(|(span, _)| span.to_range())
+            .filter(|r| self.in_host(Some(r)))
+            .min_by_key(ExactSizeIterator::len);
+        let quoted = message.split('`').nth(1).unwrap_or_default();
+        let host = tokens(&self.text[self.host.clone()]);
+        let range = narrowest.or_else(|| {
+            let (at, word) = host.into_iter().find(|&(_, token)| token == quoted)?;
+            Some(self.host.start + at..self.host.start + at + word.len())
+        });
+        self.error(file, range, ShadingErrorKind::Wgsl(message))
+    }
+
+    /// The names that the host declares at module scope, and where.
+    fn declared(&self) -> Vec<(&str, Range<usize>)> {
+        let place = |(at, name): (usize, _)| (name, self.host.start + at..self.host.start + at + str::len(name));
+        declarations(&self.text[self.host.clone()]).into_iter().map(place).collect()
+    }
+
+    /// Where the host enables an extension.
+    fn enables(&self, extension: &str) -> Option<Range<usize>> {
+        let tokens = tokens(&self.text[self.host.clone()]);
+        let enabled = tokens.iter().zip(tokens.iter().skip(1)).find(|(a, b)| a.1 == "enable" && b.1 == extension);
+        let at = self.host.start + enabled?.1.0;
+        Some(at..at + extension.len())
+    }
+
+    /// Where the host declares a name.
+    fn declaration(&self, name: &str) -> Option<Range<usize>> {
+        self.declared().into_iter().find(|(declared, _)| *declared == name).map(|(_, range)| range)
+    }
+
+    /// Which hook the host wrote: true for `material` and `light`, false for `shade`.
+    fn hook(&self, file: &str, module: &naga::Module) -> Result<bool, ShadingError> {
+        let [sample, surface, material] = ["DaaSample", "DaaSurface", "DaaMaterial"].map(Type::Struct);
+        let shade = self.signature(file, module, SHADE, &[sample], Type::VEC4F)?;
+        let light = self.signature(file, module, LIGHT, &[surface, material], Type::VEC4F)?;
+        let material = self.signature(file, module, MATERIAL, &[sample], material)?;
+        let wrong = |name: &str, kind| self.error(file, self.declaration(name), kind);
+        match (shade, material, light) {
+            (true, false, false) => Ok(false),
+            (false, true, true) => Ok(true),
+            (false, true, false) => {
+                Err(wrong("material", ShadingErrorKind::HalfHook { have: "material", missing: LIGHT.1 }))
+            }
+            (false, false, true) => {
+                Err(wrong("light", ShadingErrorKind::HalfHook { have: "light", missing: MATERIAL.1 }))
+            }
+            (false, false, false) => Err(self.error(file, None, ShadingErrorKind::NoHook)),
+            (true, ..) => Err(wrong("shade", ShadingErrorKind::TwoHooks)),
+        }
+    }
+
+    /// Whether a function is there; an error if it is, with another signature.
+    fn signature(
+        &self,
+        file: &str,
+        module: &naga::Module,
+        (name, expected): (&'static str, &'static str),
+        arguments: &[Type],
+        result: Type,
+    ) -> Result<bool, ShadingError> {
+        let Some((_, function)) = module.functions.iter().find(|(_, f)| f.name.as_deref() == Some(name)) else {
+            return Ok(false);
+        };
+        let right_arguments = function.arguments.len() == arguments.len()
+            && function.arguments.iter().zip(arguments).all(|(a, wanted)| wanted.is(&module.types[a.ty]));
+        let right_result = function.result.as_ref().is_some_and(|r| result.is(&module.types[r.ty]));
+        if right_arguments && right_result {
+            return Ok(true);
+        }
+        Err(self.error(file, self.declaration(name), ShadingErrorKind::Signature { name, expected }))
+    }
+}
+
+fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// WGSL's own names that the crate's code calls or uses as types. A host may declare them anew by the rules of WGSL, and
+/// would change what the crate's code means. A test holds the list against the shaders.
+#[rustfmt::skip]
+pub(crate) const BUILTINS: &[&str] = &[
+    "RayDesc", "abs", "all", "any", "array", "arrayLength", "atan2", "atomic", "atomicAdd", "atomicLoad", "atomicOr", "atomicStore", "binding_array",
+    "bitcast", "bool", "clamp", "cos", "countOneBits", "cross", "dot", "exp2", "f32", "firstLeadingBit", "firstTrailingBit", "floor", "fract", "i32", "inverseSqrt", "length", "log2",
+    "mat3x3f", "mat4x2f", "mat4x4f", "max", "min", "normalize", "pack2x16snorm", "pow", "rayQueryConfirmIntersection", "rayQueryGetCandidateIntersection", "rayQueryGetCommittedIntersection",
+    "rayQueryInitialize", "rayQueryProceed", "reflect", "refract", "round", "sampler", "select", "sign", "sin", "sqrt", "textureLoad",
+    "textureSampleGrad", "textureStore", "texture_2d", "texture_2d_array", "texture_storage_2d",
+    "u32", "unpack2x16float", "unpack2x16snorm", "unpack4x8snorm", "unpack4x8unorm", "vec2f", "vec2i", "vec2u",
+    "vec3f", "vec3u", "vec4f", "vec4i", "vec4u", "workgroupBarrier", "workgroupUniformLoad",
+];
+
+/// What naga's validator found, without the handles that mean nothing to a host.
+fn explain(module: &naga::Module, e: &naga::valid::ValidationError) -> String {
+    use naga::valid::{CallError, ExpressionError, FunctionError, GlobalVariableError, ValidationError};
+    let within = match e {
+        ValidationError::Function { name, .. } => format!("in `{name}`: "),
+        ValidationError::Type { name, .. }
+        | ValidationError::Constant { name, .. }
+        | ValidationError::Override { name, .. }
+        | ValidationError::GlobalVariable { name, .. }
+            if !name.is_empty() =>
+        {
+            format!("`{name}`: ")
+        }
+        _ => String::new(),
+    };
+    let what = match e {
+        ValidationError::Function {
+            source:
+                FunctionError::Expression {
+                    source: ExpressionError::InvalidBinaryOperandTypes { op, lhs_type, rhs_type, .. },
+                    ..
+                },
+            ..
+        } => {
+            let [left, right] = [lhs_type, rhs_type]
+                .map(|t| module.types.type_resolution_to_string(&naga::proc::TypeResolution::Value(t.clone())));
+            format!("{op:?} can't work with {left} and {right}; convert one of them")
+        }
+        ValidationError::Function { source: FunctionError::InvalidReturnType { expression, expected_ty }, .. } => {
+            let declared = expected_ty.map_or("nothing".to_owned(), |ty| module.types.type_to_string(ty));
+            let found = if expression.is_some() { "this is something else" } else { "it ends without a return" };
+            format!("the function returns {declared}, {found}")
+        }
+        ValidationError::GlobalVariable { source: GlobalVariableError::MissingTypeFlags { .. }, .. } => {
+            "no buffer holds a value of its type; use u32 in place of bool".to_owned()
+        }
+        ValidationError::Function {
+            source: FunctionError::InvalidCall { error: CallError::ArgumentType { index, required, .. }, .. },
+            ..
+        } => format!("argument {} must be {}", index + 1, module.types.type_to_string(*required)),
+        _ => {
+            let mut deepest: &dyn std::error::Error = e;
+            while let Some(inner) = deepest.source() {
+                deepest = inner;
+            }
+            without_handles(&one_line(&deepest.to_string()))
+        }
+    };
+    // Named as wgpu names them.
+    within
+        + &what.replace("the `naga::valid::Capabilities::FLOAT64` flag", "a device with Features::SHADER_F64; use f32")
+}
+
+/// naga numbers expressions and types as [7].
+fn without_handles(text: &str) -> String {
+    let is_handle = |word: &&str| !(word.starts_with('[') && word.ends_with(']'));
+    text.split(' ').filter(is_handle).collect::<Vec<_>>().join(" ")
+}
