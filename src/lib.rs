@@ -87,8 +87,7 @@ pub mod window;
 pub use check::{InputCounts, InputMistake, InputReport, Normal, NormalCounts};
 pub use effects::{CastingLight, MAX_CASTING_LIGHTS, Needs, ObjectImportance};
 pub use error::{
-    BuildError, LendError, PipelineError, RecordError, SettingsError, ShadingError, ShadingErrorKind, SizeError,
-    TableError,
+    BuildError, LendError, PipelineError, RecordError, ShadingError, ShadingErrorKind, SizeError, TableError,
 };
 pub use frame::{Camera, Frame};
 pub use gbuffer::GBuffer;
@@ -100,7 +99,8 @@ pub use requirements::{Memory, Requirements};
 pub use resources::{Lifetime, Part, PartInfo, PartKind};
 pub use settings::{
     ColorReference, DebugView, DepthMeasure, Effect, Enabled, Execution, Goal, Lattice, LuminanceCurve,
-    MultiResolution, Pattern, Preset, Reconstructed, Selective, Settings, Technique, Weight, Windowed,
+    MultiResolution, Pattern, Preset, Reconstructed, Selective, SettingRange, SettingScale, Settings, SettingsError,
+    Technique, Weight, Windowed,
 };
 pub use shader::Shader;
 pub use statistics::{PassTime, Statistics, TileCounts};
