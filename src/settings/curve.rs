@@ -4,8 +4,8 @@
 pub enum LuminanceCurve {
     /// Radiance times the exposure. For hosts whose exposed radiance lies in 0 to 1.
     Linear,
-    /// √(l/(1+l)) of the exposed radiance l, close to what a display shows: a difference then means about the same in bright and
-    /// in dark regions.
+    /// √(l/(1+l)) of the exposed radiance l, close to what a display shows: a difference then means about the same in
+    /// bright and in dark regions.
     #[default]
     Perceptual,
 }

@@ -22,15 +22,15 @@ pub use windowed::{DepthMeasure, Preset, Windowed};
 
 /// Everything that can change between two frames without rebuilding the node.
 ///
-/// A pixel's *window* is its m × m samples, n = m² in all; k is how many of them are shaded. Every numeric setting has a
-/// range, listed in [`RANGES`](Self::RANGES).
+/// A pixel's *window* is its m × m samples, n = m² in all; k is how many of them are shaded. Every numeric setting has
+/// a range, listed in [`RANGES`](Self::RANGES).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct Settings {
     /// How samples are chosen and combined into pixels.
     pub technique: Technique,
-    /// How the GPU runs the chosen samples. It changes the time but, except for [`Execution::MaxFiltered`], not the image. Used by
-    /// [`Technique::Windowed`] and [`MultiResolution::supersampled`]; other techniques ignore it.
+    /// How the GPU runs the chosen samples. It changes the time but, except for [`Execution::MaxFiltered`], not the
+    /// image. Used by [`Technique::Windowed`] and [`MultiResolution::supersampled`]; other techniques ignore it.
     pub execution: Execution,
     /// Settings of [`Technique::Windowed`].
     pub windowed: Windowed,
@@ -50,8 +50,8 @@ pub struct Settings {
     pub refraction: Effect,
     /// What is written to the target: the image or a debug view.
     pub view: DebugView,
-    /// An error or a time to hold. The node then scales the constants of [`windowed`](Self::windowed) together from frame to
-    /// frame instead of using them as they are. Only for [`Technique::Windowed`]; other techniques ignore it.
+    /// An error or a time to hold. The node then scales the constants of [`windowed`](Self::windowed) together from
+    /// frame to frame instead of using them as they are. Only for [`Technique::Windowed`]; other techniques ignore it.
     pub goal: Option<Goal>,
 }
 
@@ -63,20 +63,21 @@ pub enum Technique {
     Full,
     /// Shades one sample per pixel, with the whole pixel as its texture footprint: plain deferred shading.
     Single,
-    /// Shades the first k samples of each window. k follows from how much depth, normal and luminance vary there (Holländer,
-    /// Boubekeur, Eisemann 2013).
+    /// Shades the first k samples of each window. k follows from how much depth, normal and luminance vary there
+    /// (Holländer, Boubekeur, Eisemann 2013).
     #[default]
     Windowed,
-    /// Shades one sample per window. The other, geometric samples take the colours of nearby shaded samples on the same surface
-    /// and in the same shadow (subpixel reconstruction, Chajdas, McGuire, Luebke 2011, as adapted to ray tracing at WSCG 2012). A
-    /// sample with no similar neighbour is shaded.
+    /// Shades one sample per window. The other, geometric samples take the colours of nearby shaded samples on the same
+    /// surface and in the same shadow (subpixel reconstruction, Chajdas, McGuire, Luebke 2011, as adapted to ray
+    /// tracing at WSCG 2012). A sample with no similar neighbour is shaded.
     Reconstructed,
-    /// Shades one sample per pixel, and four in each quadrant of a pixel that contrasts with the three pixels at its corner. The
-    /// threshold depends on which attributes differ there (Jin, Ihm, Chang, Park, Lee, Jung 2009).
+    /// Shades one sample per pixel, and four in each quadrant of a pixel that contrasts with the three pixels at its
+    /// corner. The threshold depends on which attributes differ there (Jin, Ihm, Chang, Park, Lee, Jung 2009).
+    /// [`Execution`] is ignored: it runs a list of the pixels sorted by k.
     Selective,
-    /// Refines a coarse lattice of points into finer ones. A point is shaded, or interpolated where its neighbourhood is smooth;
-    /// its rays likewise (University of Alaska Fairbanks thesis on tri-adaptive sampling). Can shade less than one sample per
-    /// pixel and, on request, more.
+    /// Refines a coarse lattice of points into finer ones. A point is shaded, or interpolated where its neighbourhood
+    /// is smooth; its rays likewise (University of Alaska Fairbanks thesis on tri-adaptive sampling). Can shade less
+    /// than one sample per pixel and, on request, more.
     MultiResolution,
 }
 
@@ -93,8 +94,8 @@ pub enum Effect {
     /// Traced if the frame's [`Needs`](crate::Needs) ask for it.
     #[default]
     Auto,
-    /// Always on. The image equals that of [`Auto`](Self::Auto) bit for bit; where the scene needs none, the passes and their
-    /// memory are spent for nothing.
+    /// Always on. The image equals that of [`Auto`](Self::Auto) bit for bit; where the scene needs none, the passes and
+    /// their memory are spent for nothing.
     On,
     /// Never traced.
     Off,
@@ -107,8 +108,8 @@ pub enum Weight {
     /// Equal weights: the exact linear mean.
     #[default]
     Linear,
-    /// Weights of 1/(1 + exposed luminance), so that bright samples do not dominate an edge (Karis 2014). Darker than the linear
-    /// mean.
+    /// Weights of 1/(1 + exposed luminance), so that bright samples do not dominate an edge (Karis 2014). Darker than
+    /// the linear mean.
     Luminance,
 }
 

@@ -17,11 +17,11 @@ pub struct SettingRange {
 /// How a slider over a [`SettingRange`] should step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum SettingScale {
-    /// In equal steps.
+    /// Equal steps.
     Linear,
-    /// By equal factors, for values of many magnitudes. The range may begin at 0.
+    /// Steps by equal factors, for values of many magnitudes. The range may begin at 0.
     Logarithmic,
-    /// In whole numbers; the setting is an integer.
+    /// Whole numbers: the setting is an integer.
     Whole,
 }
 
@@ -66,8 +66,8 @@ macro_rules! range {
 }
 
 impl Settings {
-    /// The range of every numeric setting, in the order of the fields. [`Goal::Error`] and [`Goal::Time`] have the paths `goal.error` and
-    /// `goal.time`.
+    /// The range of every numeric setting, in the order of the fields. [`Goal::Error`] and [`Goal::Time`] have the
+    /// paths `goal.error` and `goal.time`.
     pub const RANGES: &'static [SettingRange] = &[
         range!(windowed.depth_scale, 0.0, 1e9, Logarithmic),
         range!(windowed.normal_scale, 0.0, 1e6, Logarithmic),
@@ -140,7 +140,7 @@ mod tests {
         include_str!("goal.rs"),
     ];
 
-    /// `"goal"` is what [`Settings::goal`] is in the tree: nothing, an error or a time.
+    /// The defaults as trees: without a goal, with an error and with a time.
     fn trees() -> [Value; 3] {
         [None, Some(Goal::Error(0.01)), Some(Goal::Time(10.0))]
             .map(|goal| serde_json::to_value(Settings { goal, ..Default::default() }).unwrap())
@@ -217,7 +217,7 @@ mod tests {
         found
     }
 
-    /// As documentation writes it.
+    /// A bound as the documentation writes it.
     fn written(value: f32) -> String {
         let (plain, scientific) = (value.to_string(), format!("{value:e}"));
         if value == f32::MIN_POSITIVE {
