@@ -153,7 +153,7 @@ impl FrameUniform {
         let s = &frame.settings.selective;
         let selective = technique == Technique::Selective;
         // Off: more than any contrast, and than any threshold that is on.
-        let thresholds = s.thresholds().map(|(_, tau, on)| if on { tau } else { OFF });
+        let thresholds = s.thresholds().map(|tau| tau.unwrap_or(OFF));
         let l = &frame.settings.multi_resolution;
         let lattice = technique == Technique::MultiResolution;
         let curve = match technique {

@@ -158,20 +158,20 @@ impl Selective {
         edge_aware_first: false,
     };
 
-    /// Names and values of the thresholds, and whether each is enabled: colour, then object, normal, shadow and texture
-    /// of what pixels show, then of what they reflect and refract.
-    pub(crate) fn thresholds(&self) -> [(&'static str, f32, bool); 9] {
+    /// The thresholds, `None` where they are off: colour, then object, normal, shadow and texture of what pixels show, then
+    /// of what they reflect and refract.
+    pub(crate) fn thresholds(&self) -> [Option<f32>; 9] {
         let e = &self.enabled;
         [
-            ("selective.tau_col", self.tau_col, e.col),
-            ("selective.tau_poid", self.tau_poid, e.poid),
-            ("selective.tau_psn", self.tau_psn, e.psn),
-            ("selective.tau_psc", self.tau_psc, e.psc),
-            ("selective.tau_pte", self.tau_pte, e.pte),
-            ("selective.tau_soid", self.tau_soid, e.soid),
-            ("selective.tau_ssn", self.tau_ssn, e.ssn),
-            ("selective.tau_ssc", self.tau_ssc, e.ssc),
-            ("selective.tau_ste", self.tau_ste, e.ste),
+            e.col.then_some(self.tau_col),
+            e.poid.then_some(self.tau_poid),
+            e.psn.then_some(self.tau_psn),
+            e.psc.then_some(self.tau_psc),
+            e.pte.then_some(self.tau_pte),
+            e.soid.then_some(self.tau_soid),
+            e.ssn.then_some(self.tau_ssn),
+            e.ssc.then_some(self.tau_ssc),
+            e.ste.then_some(self.tau_ste),
         ]
     }
 }
