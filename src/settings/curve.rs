@@ -1,3 +1,5 @@
+//! The curve on which colours and luminances are compared.
+
 /// The curve on which colours and luminances are compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]

@@ -1,3 +1,5 @@
+//! How the GPU runs the samples that a technique chose.
+
 /// How the GPU runs the samples that a technique chose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]

@@ -1,3 +1,5 @@
+//! Targets that the node holds by itself.
+
 /// A target that the node holds by itself. It measures its own frames for that, so it collects statistics even where
 /// the host does not ask for them. [`Statistics::goal`](crate::Statistics::goal) reports the progress.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,3 +1,5 @@
+//! Settings of `Technique::MultiResolution`.
+
 use super::curve::LuminanceCurve;
 
 /// The lattices of [`Technique::MultiResolution`](crate::Technique::MultiResolution): points in squares or triangles

@@ -1,3 +1,5 @@
+//! The range of every numeric setting.
+
 use super::{Goal, Settings, Windowed};
 
 /// The values that a numeric setting may take.
@@ -69,14 +71,14 @@ impl Settings {
     /// The range of every numeric setting, in the order of the fields. [`Goal::Error`] and [`Goal::Time`] have the
     /// paths `goal.error` and `goal.time`.
     pub const RANGES: &'static [SettingRange] = &[
-        range!(windowed.depth_scale, 0.0, 1e9, Logarithmic),
-        range!(windowed.normal_scale, 0.0, 1e6, Logarithmic),
-        range!(windowed.luminance_scale, 0.0, 1e6, Logarithmic),
+        range!(windowed.depth_scale, 0.0, Windowed::MOST_DEPTH_SCALE, Logarithmic),
+        range!(windowed.normal_scale, 0.0, Windowed::MOST_SCALE, Logarithmic),
+        range!(windowed.luminance_scale, 0.0, Windowed::MOST_SCALE, Logarithmic),
         range!(windowed.luminance_min, 0.0, 1e6, Logarithmic),
         range!(windowed.luminance_edge, 0.0, 1.0, Linear),
-        range!(windowed.identity_samples, 0.0, 64.0, Linear),
-        range!(windowed.shadow_samples, 0.0, 64.0, Linear),
-        range!(windowed.least_samples, 1.0, 64.0, Linear),
+        range!(windowed.identity_samples, 0.0, Windowed::MOST_SAMPLES, Linear),
+        range!(windowed.shadow_samples, 0.0, Windowed::MOST_SAMPLES, Linear),
+        range!(windowed.least_samples, 1.0, Windowed::MOST_SAMPLES, Linear),
         range!(windowed.footprint, 0.0, 4.0, Linear),
         range!(windowed.tile_limit, 0.0, Windowed::NO_TILE_LIMIT as f32, Whole),
         range!(reconstructed.depth_scale, 0.0, 1e6, Logarithmic),

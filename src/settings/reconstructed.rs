@@ -1,3 +1,5 @@
+//! Settings of `Technique::Reconstructed`.
+
 use crate::window;
 
 /// The bilateral filter of [`Technique::Reconstructed`](crate::Technique::Reconstructed) over the shaded samples of 3 ×

@@ -1,3 +1,5 @@
+//! Settings of `Technique::Selective`.
+
 use super::curve::LuminanceCurve;
 
 /// Thresholds of [`Technique::Selective`](crate::Technique::Selective).

@@ -1,3 +1,5 @@
+//! Settings of `Technique::Windowed`, and presets of them.
+
 use super::curve::LuminanceCurve;
 
 /// The metrics of [`Technique::Windowed`](crate::Technique::Windowed). k is the greatest number of samples that any
@@ -97,6 +99,11 @@ impl Windowed {
     /// The [`tile_limit`](Self::tile_limit) that limits nothing: 64 pixels with 63 samples each beyond the first.
     pub const NO_TILE_LIMIT: u32 = 64 * 63;
 
+    pub(super) const MOST_DEPTH_SCALE: f32 = 1e9;
+    pub(super) const MOST_SCALE: f32 = 1e6;
+    /// The number of samples in the largest window.
+    pub(super) const MOST_SAMPLES: f32 = 64.0;
+
     /// What all presets share: our additions to the paper, with every metric but that of shadows off.
     const OURS: Self = Self {
         depth: DepthMeasure::Discontinuity,
@@ -125,13 +132,13 @@ impl Windowed {
         let n = (m * m) as f32;
         let least = 1.0 + (n - 1.0) * ((effort - 4.0) / 4.0).clamp(0.0, 1.0);
         Self {
-            depth_scale: (self.depth_scale * scale).min(1e9),
-            normal_scale: (self.normal_scale * scale).min(1e6),
-            luminance_scale: (self.luminance_scale * scale).min(1e6),
+            depth_scale: (self.depth_scale * scale).min(Self::MOST_DEPTH_SCALE),
+            normal_scale: (self.normal_scale * scale).min(Self::MOST_SCALE),
+            luminance_scale: (self.luminance_scale * scale).min(Self::MOST_SCALE),
             luminance_min: self.luminance_min * threshold,
             luminance_edge: self.luminance_edge * threshold,
-            identity_samples: (self.identity_samples * scale).min(64.0),
-            shadow_samples: (self.shadow_samples * scale).min(64.0),
+            identity_samples: (self.identity_samples * scale).min(Self::MOST_SAMPLES),
+            shadow_samples: (self.shadow_samples * scale).min(Self::MOST_SAMPLES),
             least_samples: self.least_samples.max(least),
             ..self
         }
