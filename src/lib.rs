@@ -58,8 +58,7 @@ pub use gpu::step::Pass;
 pub use host::check::{InputCounts, InputMistake, InputReport, Normal, NormalCounts};
 pub use host::descriptor::{Descriptor, Shading};
 pub use host::error::{
-    BuildError, LendError, PipelineError, RecordError, SettingsError, ShadingError, ShadingErrorKind, SizeError,
-    TableError,
+    BuildError, LendError, PipelineError, RecordError, ShadingError, ShadingErrorKind, SizeError, TableError,
 };
 pub use host::frame::{Camera, Frame};
 pub use host::gbuffer::{self, GBuffer};
@@ -79,7 +78,8 @@ pub use node::DeferredAa;
 pub use passes::shader_texts;
 pub use settings::{
     ColorReference, DebugView, DepthMeasure, Effect, Enabled, Execution, Goal, Lattice, LuminanceCurve,
-    MultiResolution, Pattern, Preset, Reconstructed, Selective, Settings, Technique, Weight, Windowed,
+    MultiResolution, Pattern, Preset, Reconstructed, Selective, SettingRange, SettingScale, Settings, SettingsError,
+    Technique, Weight, Windowed,
 };
 pub use {glam, wgpu};
 

@@ -1,10 +1,10 @@
-//! Unit vectors in two numbers, as `shaders/octahedral.wgsl` has them, in f64.
+//! The octahedral code of unit vectors in f64, as `shaders/octahedral.wgsl` has it in f32.
 
 use glam::{DVec2, DVec3};
 
-/// A unit vector from its 16+16-bit code.
+/// Decodes a unit vector from its 16+16-bit code.
 pub fn decode(code: u32) -> DVec3 {
-    // snorm: −32768 and −32767 are both −1.
+    // In snorm, −32768 and −32767 both mean −1.
     let snorm = |bits: u32| (f64::from(bits as u16 as i16) / 32767.0).max(-1.0);
     let e = DVec2::new(snorm(code), snorm(code >> 16));
     let z = 1.0 - e.x.abs() - e.y.abs();
@@ -13,7 +13,7 @@ pub fn decode(code: u32) -> DVec3 {
     DVec3::new(xy.x, xy.y, z).normalize()
 }
 
-/// The 16+16-bit code of a vector of any length above 0.
+/// Encodes the direction of a vector of any length above 0 in 16+16 bits.
 pub fn encode(v: DVec3) -> u32 {
     let p = v.truncate() / (v.x.abs() + v.y.abs() + v.z.abs());
     let sign = |v: f64| if v >= 0.0 { 1.0 } else { -1.0 };
@@ -28,7 +28,7 @@ mod tests {
 
     #[test]
     fn the_code_is_within_four_thousandths_of_a_degree() {
-        // A spiral over the sphere, the axes and the seams of the fold.
+        // A spiral over the sphere, the axes, and the seams of the fold.
         let spiral = (0..1_000_000).map(|i| {
             let z = 1.0 - (2.0 * f64::from(i) + 1.0) / 1e6;
             let (r, a) = ((1.0 - z * z).sqrt(), f64::from(i) * 2.399_963_229_728_653);

@@ -1,17 +1,18 @@
 //! The order in which a window's samples are shaded.
 
-/// Most samples along one side of a window.
+/// The most samples along one side of a window.
 pub const MAX_M: u32 = 8;
 
 /// The places of a window's samples in the order in which they are shaded: `order(m)[rank] = (x, y)`, y down.
 ///
-/// m = 2, 3, 4 are the index matrices of Holländer et al. 2013, Figure 3, as printed. 6 and 8 come from 3 and 4 by Bayer's
-/// recursion (1973), with the printed 2 × 2 matrix. 5 and 7, which no recursion reaches, start in the centre and go on to
-/// the place that is furthest from all before, the window being repeated in all directions; of several such, the one
-/// furthest from the place before, then the first in reading order.
+/// For m = 2, 3 and 4 these are the index matrices of Holländer et al. 2013, Figure 3, as printed. Those for m = 6 and 8
+/// follow from 3 and 4 by Bayer's recursion (1973) with the printed 2 × 2 matrix. No recursion reaches m = 5 and 7: their
+/// order starts in the centre and continues with the place that is furthest from all places before, where the window is
+/// repeated in all directions. Of several such places it takes the one furthest from the previous place, then the first in
+/// reading order.
 ///
 /// # Panics
-/// If m is not in 1..=8.
+/// Panics if m is not in 1..=8.
 pub fn order(m: u32) -> Vec<(u8, u8)> {
     let ranks: Vec<u8> = match m {
         1 => vec![0],
@@ -29,24 +30,25 @@ pub fn order(m: u32) -> Vec<(u8, u8)> {
     places
 }
 
-/// [`order`], but first a rotated grid: one sample in each row and each column. For odd m, and 2, `order` itself.
+/// Like [`order`], but starts with a rotated grid: one sample in each row and each column. For odd m and m = 2 it equals
+/// `order`.
 pub fn rotated(m: u32) -> Vec<(u8, u8)> {
     let mut places = order(m);
     if rotated_samples(m) == m {
-        // Before all others, in their own order.
+        // The grid moves to the front; a stable sort keeps the order otherwise.
         let first = |&(x, y): &(u8, u8)| u32::from(x) == (2 * u32::from(y) + 1) % (m + 1);
         places.sort_by_key(|place| !first(place));
     }
     places
 }
 
-/// Samples of [`rotated`]'s grid: m, or all where there is none.
+/// The number of samples in the rotated grid of [`rotated`]: m, or all m² where there is no grid.
 pub fn rotated_samples(m: u32) -> u32 {
     if m >= 4 && m.is_multiple_of(2) { m } else { m * m }
 }
 
-/// [`order`], but first the sample nearest to the pixel's centre, of several the one that `order` has first:
-/// [`Technique::Selective`](crate::Technique::Selective) compares pixels by it.
+/// Like [`order`], but starts with the sample nearest to the pixel's centre; of several, the one that `order` has first.
+/// [`Technique::Selective`](crate::Technique::Selective) compares pixels by this sample.
 pub fn centred(m: u32) -> Vec<(u8, u8)> {
     let mut places = order(m);
     let off = |v: u8| (2 * i32::from(v) + 1 - m as i32).abs();
@@ -56,9 +58,11 @@ pub fn centred(m: u32) -> Vec<(u8, u8)> {
     places
 }
 
-/// The quadrants of the window whose sample this is, a bit each: upper left, upper right, lower left, lower right. Where a
-/// sample lies in several, each has its share of it. A quadrant has four samples: at m = 4 its own, at m = 3 those that reach
-/// into it, above that one of each quarter of it; at m = 2 there is but one.
+/// The quadrants of the window that use a sample, one bit each: from the lowest, upper left, upper right, lower left, lower
+/// right. A sample that lies in several quadrants is shared equally between them.
+///
+/// A quadrant uses four samples: at m = 4 its own, at m = 3 those that reach into it, at larger m one from each of its
+/// quarters, so that some samples belong to no quadrant. At m = 2 it uses one.
 pub fn quadrants(m: u32, x: u8, y: u8) -> u32 {
     if dropped(m, x, y) {
         return 0;
@@ -69,13 +73,13 @@ pub fn quadrants(m: u32, x: u8, y: u8) -> u32 {
     [row, row << 2, row | row << 2][halves(y) as usize - 1]
 }
 
-/// Samples of all quadrants together.
+/// The number of samples that the four quadrants use together.
 pub fn quadrant_samples(m: u32) -> u32 {
     (m * m).min(16)
 }
 
-/// Whether a sample is not the one of its sixteenth of the window: of those the nearest to its centre is taken, and of four that
-/// are as near another one from row to row and from column to column.
+/// Whether no quadrant uses a sample, for m above 4. Each sixteenth of the window keeps the sample nearest to its centre; of
+/// four equally near samples it keeps a different one from row to row and from column to column.
 fn dropped(m: u32, x: u8, y: u8) -> bool {
     let (x, y) = (u32::from(x), u32::from(y));
     match m {
@@ -88,7 +92,8 @@ fn dropped(m: u32, x: u8, y: u8) -> bool {
     }
 }
 
-/// Bayer's recursion: each place of the small matrix, in its order, in all four quadrants in the order of the 2 × 2 matrix.
+/// Bayer's recursion: takes the places of the small matrix in their order, each in all four quadrants in the order of the
+/// 2 × 2 matrix.
 fn doubled(small: &[(u8, u8)], m: u32) -> Vec<(u8, u8)> {
     let m = m as u8;
     small.iter().flat_map(|&(x, y)| order(2).into_iter().map(move |(i, j)| (x + m * i, y + m * j))).collect()
@@ -148,7 +153,7 @@ mod tests {
             all.sort_unstable();
             assert_eq!(places, all, "m = {m}");
         }
-        // The paper's Figure 2, in its own turn.
+        // The paper's Figure 2, by rows.
         assert_eq!(rotated_samples(4), 4);
         let mut grid = rotated(4)[..4].to_vec();
         grid.sort_unstable_by_key(|p| p.1);
@@ -164,7 +169,7 @@ mod tests {
             let mut all = order(m);
             all.sort_unstable();
             assert_eq!(sorted, all, "m = {m}");
-            // Shares of a quadrant add up to a quarter of the samples, and lie around its middle.
+            // The shares of each quadrant add up to a quarter of the samples, and their mean is near its middle.
             let mut cover = [[0.0f64; 3]; 4];
             let mut taken = 0;
             for &(x, y) in &places {
@@ -173,7 +178,7 @@ mod tests {
                 for (i, sums) in cover.iter_mut().enumerate().filter(|(i, _)| of >> i & 1 == 1) {
                     let share = 1.0 / f64::from(of.count_ones());
                     let apart = |v: u8, half: usize| {
-                        // Where a sample is cut, its middle is that of its part.
+                        // A sample that is cut counts at the middle of its part.
                         let (low, high) = (f64::from(v), f64::from(v) + 1.0);
                         let middle = f64::from(m) / 2.0;
                         let (low, high) = if half == 0 { (low, high.min(middle)) } else { (low.max(middle), high) };
@@ -194,7 +199,7 @@ mod tests {
             let near = |v: u8| (2 * i32::from(v) + 1 - m as i32).abs() <= 1;
             assert!(near(x) && near(y), "m = {m}");
         }
-        // As printed where that is nearest to the centre already.
+        // At m = 3 and 4 the printed order already starts nearest to the centre.
         assert_eq!((centred(3), centred(4)), (order(3), order(4)));
         let rows: Vec<Vec<u32>> = (0..3).map(|y| (0..3).map(|x| quadrants(3, x, y)).collect()).collect();
         assert_eq!(rows, [[1, 3, 2], [5, 15, 10], [4, 12, 8]]);
@@ -204,7 +209,7 @@ mod tests {
     fn first_ranks_stay_near_the_centre_and_spread() {
         for m in 2..=MAX_M {
             let places = order(m);
-            // The first four samples fall into four different quadrants, or the middle lines of an odd window.
+            // The first four samples lie in at least three different quadrants or middle lines.
             let side = |v: u8| (2 * i32::from(v) + 1 - m as i32).signum();
             let mut quadrants: Vec<_> = places[..4].iter().map(|&(x, y)| (side(x), side(y))).collect();
             quadrants.sort_unstable();

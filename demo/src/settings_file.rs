@@ -1,45 +1,45 @@
-//! Settings as a file, which `view` writes and `render --settings` takes too: `{"version": 1, "settings": {…}}`. What a file
-//! leaves out has its default. A file with anything wrong in it is refused as a whole, by the name of what is wrong.
+//! Settings as a file, which `view` writes and reads and `render --settings` reads: `{"version": 1, "settings": {…}}`. Settings that
+//! are left out have their defaults. A file with any mistake is refused as a whole; the error names the mistake.
 
 use crate::names::did_you_mean;
 use deferred_aa::Settings;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
-/// Of the files that are written, and the only one that is read.
+/// The version of the files that are written, and the only one that is read.
 pub const VERSION: u64 = 1;
 
-/// A settings file could not be read or written. Nothing of it was used.
+/// A settings file could not be read or written. No setting of it was used.
 #[derive(Debug, thiserror::Error)]
 pub enum SettingsFileError {
-    /// The file.
+    /// The file could not be read or written.
     #[error("{path}: {source}", path = .path.display())]
     File {
-        /// Which.
+        /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         source: std::io::Error,
     },
-    /// It is no JSON. `NaN` and infinities are none either.
+    /// The file is not JSON. JSON has no `NaN` and no infinities.
     #[error("{path}: no JSON: {problem}; write it anew with the viewer's Save", path = .path.display())]
     Json {
-        /// Which.
+        /// The file.
         path: PathBuf,
-        /// What, and at which line and column.
+        /// What is wrong, and at which line and column.
         problem: String,
     },
-    /// Written by another version.
+    /// The file has another version than [`VERSION`].
     #[error("{path}: version {found}, this program reads {VERSION}; save it anew from the program that wrote it", path = .path.display())]
     Version {
-        /// Which.
+        /// The file.
         path: PathBuf,
-        /// What stands there.
+        /// The version in the file.
         found: String,
     },
-    /// A value.
+    /// A key or a value is wrong.
     #[error("{path}: {key}: {problem}", path = .path.display())]
     Value {
-        /// Which.
+        /// The file.
         path: PathBuf,
         /// Path of the value in the file, such as `settings.windowed.depth`.
         key: String,
@@ -48,13 +48,13 @@ pub enum SettingsFileError {
     },
 }
 
-/// The file's content.
+/// The settings as the content of a file.
 pub fn to_text(settings: &Settings) -> String {
     let tree = json!({ "version": VERSION, "settings": settings });
     serde_json::to_string_pretty(&tree).unwrap_or_default() + "\n"
 }
 
-/// Written whole or not at all.
+/// Writes a settings file, whole or not at all.
 pub fn save(path: &Path, settings: &Settings) -> Result<(), SettingsFileError> {
     let file = |source| SettingsFileError::File { path: path.to_owned(), source };
     let part = path.with_extension("json.part");
@@ -62,14 +62,14 @@ pub fn save(path: &Path, settings: &Settings) -> Result<(), SettingsFileError> {
     std::fs::rename(&part, path).map_err(file)
 }
 
-/// All of it, checked.
+/// Reads a settings file and checks all of it.
 pub fn load(path: &Path) -> Result<Settings, SettingsFileError> {
     let text =
         std::fs::read_to_string(path).map_err(|source| SettingsFileError::File { path: path.to_owned(), source })?;
     parse(path, &text)
 }
 
-/// [`load`] of a file's content; `path` is what errors call it.
+/// Like [`load`], from a file's content; errors name it `path`.
 pub fn parse(path: &Path, text: &str) -> Result<Settings, SettingsFileError> {
     let path = || path.to_owned();
     let tree: Value =
@@ -108,7 +108,8 @@ fn named(key: &str) -> String {
     if key.is_empty() { "settings".to_owned() } else { format!("settings.{key}") }
 }
 
-/// The plain values below `found` with their paths, which all are in `known`; else the path that is not, and why.
+/// Collects the plain values below `found` with their paths. All paths must be in `known`; the error is the path that is not, and
+/// why.
 fn leaves(
     found: &Value,
     known: &Value,

@@ -2,7 +2,7 @@
 
 use crate::host::graph::Part;
 use crate::rays::RayTier;
-use crate::settings::{Execution, Pattern};
+use crate::settings::{Execution, Pattern, SettingsError};
 use std::fmt;
 
 /// [`DeferredAa::new`](crate::DeferredAa::new) could not build the node.
@@ -395,20 +395,6 @@ fn camera_mend(part: &str) -> &'static str {
         "view" => "world_from_view is a rotation and a translation",
         _ => "give it a size above 0 and a near plane above 0",
     }
-}
-
-/// A setting is out of its range.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[error("{field} is {value}, it must lie in {least} to {most}")]
-pub struct SettingsError {
-    /// Its path, such as `windowed.depth_scale`.
-    pub field: &'static str,
-    /// What it was set to.
-    pub value: f32,
-    /// The least allowed value.
-    pub least: f32,
-    /// The greatest allowed value.
-    pub most: f32,
 }
 
 /// A [`TextureTable`](crate::TextureTable) could not be built.

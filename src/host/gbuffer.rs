@@ -1,4 +1,4 @@
-//! The enlarged G-buffer: what the host renders into.
+//! The enlarged G-buffer that the host renders into.
 //!
 //! | target | format | holds |
 //! |---|---|---|
@@ -7,18 +7,18 @@
 //! | 2 uv | `Rgba32Uint` | uv as two f32; ∂uv/∂x and ∂uv/∂y as four f16, per sample |
 //! | depth | `Depth32Float` | reversed z: 1 near, 0 at the far plane, where there is only sky |
 //!
-//! 32 bytes of colour a sample, WebGPU's default limit, and 4 of depth. Gradients are stored, not derived from neighbouring
-//! samples: the rasteriser takes them inside one triangle, so no material or UV seam can smear. Clear colour to 0 and depth
-//! to 0; write depth where greater.
+//! A sample has 32 bytes of colour, WebGPU's default limit, and 4 bytes of depth. Gradients are stored, not derived from
+//! neighbouring samples: the rasteriser takes them inside one triangle, so no material or UV seam can smear. Clear colour
+//! and depth to 0, and write depth where it is greater.
 
-/// Formats of the colour targets, in the order of `DaaGBuffer`'s locations.
+/// The formats of the colour targets, in the order of the locations in `DaaGBuffer`.
 pub const COLOR_FORMATS: [wgpu::TextureFormat; 3] =
     [wgpu::TextureFormat::Rg32Uint, wgpu::TextureFormat::Rg32Uint, wgpu::TextureFormat::Rgba32Uint];
 
-/// Format of the depth target.
+/// The format of the depth target.
 pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
-/// Bytes of one sample, depth included.
+/// The size of one sample in bytes, depth included.
 pub const BYTES_PER_SAMPLE: u64 = 36;
 
 /// WGSL for the host's raster shader: `DaaFragment`, `DaaGBuffer` and `fn daa_pack(f: DaaFragment) -> DaaGBuffer`. Join it
@@ -26,22 +26,22 @@ pub const BYTES_PER_SAMPLE: u64 = 36;
 pub const PACK_WGSL: &str =
     concat!(include_str!("../../shaders/shared/octahedral.wgsl"), "\n", include_str!("../../shaders/pack.wgsl"));
 
-/// The attachments to render into, m·width × m·height. Owned by the node, made anew by
-/// [`resize`](crate::DeferredAa::resize).
+/// The attachments to render into, m·width × m·height samples. The node owns them; [`resize`](crate::DeferredAa::resize)
+/// replaces them.
 #[derive(Debug, Clone)]
 pub struct GBuffer {
-    /// Samples along x: m · width.
+    /// The number of samples along x: m · width.
     pub width: u32,
-    /// Samples along y: m · height.
+    /// The number of samples along y: m · height.
     pub height: u32,
-    /// In the order of [`COLOR_FORMATS`].
+    /// The colour targets, in the order of [`COLOR_FORMATS`].
     pub color: [wgpu::TextureView; 3],
-    /// [`DEPTH_FORMAT`].
+    /// The depth target, in [`DEPTH_FORMAT`].
     pub depth: wgpu::TextureView,
 }
 
 impl GBuffer {
-    /// The colour attachments of a render pass that clears them.
+    /// The colour attachments for a render pass, which clears them.
     pub fn color_attachments(&self) -> [Option<wgpu::RenderPassColorAttachment<'_>>; 3] {
         self.color.each_ref().map(|view| {
             Some(wgpu::RenderPassColorAttachment {
@@ -56,7 +56,7 @@ impl GBuffer {
         })
     }
 
-    /// The depth attachment of a render pass that clears it.
+    /// The depth attachment for a render pass, which clears it.
     pub fn depth_attachment(&self) -> wgpu::RenderPassDepthStencilAttachment<'_> {
         wgpu::RenderPassDepthStencilAttachment {
             view: &self.depth,
@@ -65,12 +65,12 @@ impl GBuffer {
         }
     }
 
-    /// The colour targets of the host's pipelines.
+    /// The colour targets for the host's pipelines.
     pub fn color_targets() -> [Option<wgpu::ColorTargetState>; 3] {
         COLOR_FORMATS.map(|format| Some(format.into()))
     }
 
-    /// The depth state of the host's pipelines: reversed z.
+    /// The depth state for the host's pipelines: reversed z.
     pub fn depth_state() -> wgpu::DepthStencilState {
         wgpu::DepthStencilState {
             format: DEPTH_FORMAT,

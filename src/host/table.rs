@@ -1,53 +1,54 @@
-//! The texture table: what `daa_texture(index, uv, ddx, ddy)` reads.
+//! The texture table, which `daa_texture(index, uv, ddx, ddy)` reads.
 
 use crate::host::error::TableError;
 use std::collections::HashMap;
 use std::num::NonZeroU32;
 
-/// How the shaders reach the host's textures. The image is the same on every tier.
+/// How shaders reach the host's textures. Both kinds of table give the same image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum TextureTier {
-    /// Not at all: `daa_texture` does not exist.
+    /// No table: `daa_texture` does not exist.
     None,
-    /// Array textures, one for each class of size, format, mip count and sampler, at most [`MAX_CLASSES`]. Runs on default
-    /// WebGPU limits. The textures are copied into the arrays.
+    /// Array textures, one for each class of textures with the same size, format, mip count and sampler, at most
+    /// [`MAX_CLASSES`]. Textures are copied into the arrays. Works within the default limits of WebGPU.
     #[default]
     Arrays,
     /// A binding array of the host's own textures. Needs [`BINDING_FEATURES`].
     Bindings,
 }
 
-/// Array textures of [`TextureTier::Arrays`]. With the five of the crate this leaves four of WebGPU's sixteen sampled
-/// textures a stage to the host.
+/// The number of array textures of [`TextureTier::Arrays`]. With the crate's own five, it leaves the host four of the sixteen
+/// sampled textures that WebGPU allows per stage.
 pub const MAX_CLASSES: usize = 7;
 
-/// Different samplers of [`TextureTier::Bindings`].
+/// The most different samplers of [`TextureTier::Bindings`].
 pub const MAX_SAMPLERS: usize = 32;
 
-/// What [`TextureTier::Bindings`] asks of the device.
+/// The features that [`TextureTier::Bindings`] needs from the device.
 pub const BINDING_FEATURES: wgpu::Features = wgpu::Features::TEXTURE_BINDING_ARRAY
     .union(wgpu::Features::SAMPLED_TEXTURE_AND_STORAGE_BUFFER_ARRAY_NON_UNIFORM_INDEXING);
 
 /// A texture of the table.
 #[derive(Debug, Clone, Copy)]
 pub struct TableTexture<'a> {
-    /// Two-dimensional, one layer, one sample, a filterable float format, with its mip chain. Usage `COPY_SRC` for the
-    /// array tier, `TEXTURE_BINDING` for the binding tier.
+    /// A two-dimensional texture with one layer and one sample, in a filterable float format, with its mip chain. It needs
+    /// the usage `COPY_SRC` on the array tier and `TEXTURE_BINDING` on the binding tier.
     pub texture: &'a wgpu::Texture,
-    /// How it is read.
+    /// How the texture is read.
     pub sampler: TableSampler,
 }
 
 /// How a texture of the table is read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct TableSampler {
-    /// Along u.
+    /// The address mode along u.
     pub address_u: wgpu::AddressMode,
-    /// Along v.
+    /// The address mode along v.
     pub address_v: wgpu::AddressMode,
-    /// The nearest texel of the nearest mip instead of a trilinear, anisotropic mean.
+    /// Reads the nearest texel of the nearest mip instead of a trilinear, anisotropic mean.
     pub nearest: bool,
-    /// 1 to 16. Higher: sharper at grazing angles, more texel reads. Has no effect on `nearest`.
+    /// The greatest anisotropy, 1 to 16. Higher: sharper at grazing angles, more texel reads. Ignored where
+    /// [`nearest`](Self::nearest) is set.
     pub anisotropy: u16,
 }
 
@@ -62,7 +63,7 @@ impl Default for TableSampler {
     }
 }
 
-/// The host's textures by index, bound for the crate's passes and, on request, for the host's own.
+/// The host's textures by index, for the crate's passes and, on request, for passes of the host.
 #[derive(Debug)]
 pub struct TextureTable {
     pub(crate) bind_group: wgpu::BindGroup,
@@ -70,24 +71,24 @@ pub struct TextureTable {
 }
 
 impl TextureTable {
-    /// Bind it at `@group(1)` of a pipeline made with [`DeferredAa::texture_layout`](crate::DeferredAa::texture_layout),
-    /// for instance to test alpha while rastering.
+    /// The table's bind group, for `@group(1)` of a host's pipeline that is made with
+    /// [`DeferredAa::texture_layout`](crate::DeferredAa::texture_layout), for instance to test alpha while rasterising.
     pub fn bind_group(&self) -> &wgpu::BindGroup {
         &self.bind_group
     }
 
-    /// Bytes of texels that the table holds itself: the copies of the array tier, 0 in the binding tier.
+    /// The bytes of texels that the table itself holds: the copies on the array tier, 0 on the binding tier.
     pub fn bytes(&self) -> u64 {
         self.bytes
     }
 }
 
-/// How many classes of the array tier the textures fall into. More than [`MAX_CLASSES`] is too many.
+/// The number of classes of the array tier that the textures fall into. A table takes at most [`MAX_CLASSES`].
 pub fn classes(textures: &[TableTexture<'_>]) -> usize {
     textures.iter().map(Class::of).collect::<std::collections::HashSet<_>>().len()
 }
 
-/// Textures of one class share an array.
+/// A class of the array tier: its textures share an array.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 struct Class {
     width: u32,
@@ -109,7 +110,7 @@ impl Class {
     }
 }
 
-/// The layout and the making of tables of one tier.
+/// Creates the tables of one tier; they share a bind group layout.
 #[derive(Debug)]
 pub(crate) struct Tables {
     pub layout: wgpu::BindGroupLayout,
@@ -223,7 +224,7 @@ impl Tables {
         textures: &[TableTexture<'_>],
     ) -> Result<TextureTable, TableError> {
         let most_layers = device.limits().max_texture_array_layers as usize;
-        // Arrays in the order in which their first texture comes; a full one is followed by another of its class.
+        // Arrays are in the order of their first textures. A class gets another array where one is full.
         let mut arrays: Vec<(Class, Vec<usize>)> = Vec::new();
         let mut open: HashMap<Class, usize> = HashMap::new();
         let mut slots = Vec::with_capacity(textures.len());
@@ -331,7 +332,7 @@ impl Tables {
     }
 }
 
-/// All mips of a texture into one layer of an array; returns their bytes.
+/// Copies all mips of a texture into one layer of an array. Returns their bytes.
 fn copy_into_layer(
     encoder: &mut wgpu::CommandEncoder,
     texture: &wgpu::Texture,
@@ -342,7 +343,7 @@ fn copy_into_layer(
     let block_bytes = u64::from(texture.format().block_copy_size(None).unwrap_or(0));
     let mut bytes = 0;
     for mip in 0..texture.mip_level_count() {
-        // Blocks of compressed formats are copied whole, also where a mip is smaller than one.
+        // Blocks of compressed formats are copied whole, even where a mip is smaller than a block.
         let width = (texture.width() >> mip).max(1).next_multiple_of(block_width);
         let height = (texture.height() >> mip).max(1).next_multiple_of(block_height);
         let at = |texture, z| wgpu::TexelCopyTextureInfo {
@@ -378,13 +379,13 @@ fn make_sampler(device: &wgpu::Device, s: TableSampler) -> wgpu::Sampler {
         mag_filter: filter,
         min_filter: filter,
         mipmap_filter,
-        // Anisotropy needs all filters linear.
+        // Anisotropy needs every filter to be linear.
         anisotropy_clamp: if s.nearest { 1 } else { s.anisotropy },
         ..Default::default()
     })
 }
 
-/// What unused places of a table hold.
+/// A white texel, for unused places of a table.
 fn white(device: &wgpu::Device, queue: &wgpu::Queue) -> (wgpu::Texture, wgpu::TextureView) {
     let size = wgpu::Extent3d { width: 1, height: 1, depth_or_array_layers: 1 };
     let texture = device.create_texture(&wgpu::TextureDescriptor {
@@ -403,7 +404,7 @@ fn white(device: &wgpu::Device, queue: &wgpu::Queue) -> (wgpu::Texture, wgpu::Te
     (texture, view)
 }
 
-/// Index → where it lies. Never empty: an empty table answers white.
+/// The place of each texture by its index. Never empty: reads of an empty table return white.
 fn slot_buffer(device: &wgpu::Device, queue: &wgpu::Queue, slots: &[u32]) -> wgpu::Buffer {
     let white = [0];
     let slots = if slots.is_empty() { &white } else { slots };

@@ -158,7 +158,7 @@ impl Input<'_> {
                 }
             }
         }
-        let thresholds = s.thresholds().map(|(_, tau, on)| on.then_some(f64::from(tau)));
+        let thresholds = s.thresholds().map(|tau| tau.map(f64::from));
         let mut least: Option<(f64, Attribute)> = None;
         for (i, &importance) in disagreeing.iter().enumerate() {
             if let (Some(tau), true) = (thresholds[1 + i], importance > 0.0) {

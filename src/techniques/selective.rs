@@ -36,7 +36,7 @@ impl Method for Selective {
         uniform.flag(flag::BY_LUMINANCE, s.reference == ColorReference::Luminance);
         uniform.flag(flag::BY_GRADIENT, s.reference == ColorReference::Gradient);
         uniform.footprint = s.footprint;
-        let thresholds = s.thresholds().map(|(_, tau, on)| if on { tau } else { OFF });
+        let thresholds = s.thresholds().map(|tau| tau.unwrap_or(OFF));
         uniform.selective = SelectiveUniform {
             primary: std::array::from_fn(|i| thresholds[1 + i]),
             secondary: std::array::from_fn(|i| thresholds[5 + i]),

@@ -1,104 +1,59 @@
-//! What stands beside every setting in the viewer: its kind, its range and its documentation, which is that of the library's source.
+//! The viewer's controls: for every setting its kind and range, and its documentation from the library's source.
 //!
-//! Only ranges are written here. That each setting has a control, and each control the range that the library holds it to, is
-//! tested.
+//! The tests hold that every setting has a control and that every control takes what the library takes.
 
-use deferred_aa::Settings;
+use deferred_aa::{SettingRange, Settings};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
-const SOURCE: &str = include_str!("../../../src/settings.rs");
+/// The library's files that declare settings.
+const SOURCES: [&str; 9] = [
+    include_str!("../../../src/settings/mod.rs"),
+    include_str!("../../../src/settings/curve.rs"),
+    include_str!("../../../src/settings/execution.rs"),
+    include_str!("../../../src/settings/goal.rs"),
+    include_str!("../../../src/settings/multi_resolution.rs"),
+    include_str!("../../../src/settings/reconstructed.rs"),
+    include_str!("../../../src/settings/selective.rs"),
+    include_str!("../../../src/settings/view.rs"),
+    include_str!("../../../src/settings/windowed.rs"),
+];
 
-/// Of one setting.
-#[derive(Debug, Clone, PartialEq)]
+/// The control of one setting.
+#[derive(Debug, Clone)]
 pub struct Control {
-    /// In the tree of the settings, such as `windowed.depth_scale`.
+    /// Path in the tree of the settings, such as `windowed.depth_scale`.
     pub path: String,
-    /// The last part of it, spelled out.
+    /// The last part of the path, spelled out.
     pub label: String,
-    /// What it does, in which unit.
+    /// What the setting does, and in which unit.
     pub doc: String,
-    /// In Rust.
+    /// Type in Rust.
     pub ty: String,
-    /// How it is set.
+    /// How the setting is changed.
     pub kind: Kind,
 }
 
-/// How a setting is set.
-#[derive(Debug, Clone, PartialEq)]
+/// How a setting is changed.
+#[derive(Debug, Clone)]
 pub enum Kind {
     /// A number.
-    Slider(Range),
+    Slider(SettingRange),
     /// On or off.
     Switch,
-    /// One of several, by name, each with its documentation.
+    /// One of several values, by name, each with its documentation.
     Choice(Vec<(String, String)>),
-    /// Nothing, an error or a time.
+    /// No goal, an error or a time.
     Goal,
 }
 
-/// Of a number: what the library takes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Range {
-    /// The least.
-    pub least: f64,
-    /// The greatest.
-    pub most: f64,
-    /// Of the steps along the slider.
-    pub scale: Scale,
+/// The range of the number at this path.
+pub fn range(path: &str) -> Option<SettingRange> {
+    Settings::RANGES.iter().find(|range| range.path == path).copied()
 }
 
-/// Of the steps along a slider.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Scale {
-    /// Equal.
-    Linear,
-    /// By a factor, for what ranges over magnitudes.
-    Logarithmic,
-    /// Whole numbers.
-    Whole,
-}
-
-const fn range(path: &'static str, least: f64, most: f64, scale: Scale) -> (&'static str, Range) {
-    (path, Range { least, most, scale })
-}
-
-/// By path, from the start of it: the first that fits counts.
-const RANGES: [(&str, Range); 22] = [
-    range("windowed.depth_scale", 0.0, 1e9, Scale::Logarithmic),
-    range("windowed.normal_scale", 0.0, 1e6, Scale::Logarithmic),
-    range("windowed.luminance_scale", 0.0, 1e6, Scale::Logarithmic),
-    range("windowed.luminance_min", 0.0, 1e6, Scale::Logarithmic),
-    range("windowed.luminance_edge", 0.0, 1.0, Scale::Linear),
-    range("windowed.identity_samples", 0.0, 64.0, Scale::Linear),
-    range("windowed.shadow_samples", 0.0, 64.0, Scale::Linear),
-    range("windowed.least_samples", 1.0, 64.0, Scale::Linear),
-    range("windowed.footprint", 0.0, 4.0, Scale::Linear),
-    range("windowed.tile_limit", 0.0, 4032.0, Scale::Whole),
-    range("reconstructed.depth_scale", 0.0, 1e6, Scale::Logarithmic),
-    range("reconstructed.normal_scale", 0.0, 1e6, Scale::Logarithmic),
-    range("reconstructed.least_weight", 1e-6, 10.0, Scale::Logarithmic),
-    range("reconstructed.contrast_scale", 0.0, 1e6, Scale::Logarithmic),
-    range("reconstructed.contrast_min", 0.0, 1.0, Scale::Logarithmic),
-    range("reconstructed.footprint", 0.0, 4.0, Scale::Linear),
-    range("selective.normal_cosine", -1.0, 1.0, Scale::Linear),
-    range("selective.footprint", 0.0, 4.0, Scale::Linear),
-    // The thresholds and the least contrast.
-    range("selective.", 0.0, 1.0, Scale::Logarithmic),
-    range("multi_resolution.footprint", 0.0, 4.0, Scale::Linear),
-    range("multi_resolution.shading.coarsest", 0.0, 3.0, Scale::Whole),
-    range("multi_resolution.rays.coarsest", 0.0, 3.0, Scale::Whole),
-];
-/// The thresholds of the lattices.
-const LATTICE_THRESHOLD: Range = Range { least: 0.0, most: 1.0, scale: Scale::Logarithmic };
-
-fn range_of(path: &str) -> Option<Range> {
-    let found = RANGES.iter().find(|(start, _)| path.starts_with(start)).map(|(_, range)| *range);
-    found.or_else(|| path.starts_with("multi_resolution.").then_some(LATTICE_THRESHOLD))
-}
-
-/// All of them, in the order of the source.
+/// All controls, in the order of the library's fields.
 pub fn all() -> &'static [Control] {
     static ALL: OnceLock<Vec<Control>> = OnceLock::new();
     ALL.get_or_init(|| {
@@ -110,7 +65,7 @@ pub fn all() -> &'static [Control] {
 
 fn source() -> &'static Source {
     static READ: OnceLock<Source> = OnceLock::new();
-    READ.get_or_init(|| Source::read(SOURCE))
+    READ.get_or_init(|| Source::read(&SOURCES))
 }
 
 /// The struct at this path, such as `Lattice` at `multi_resolution.rays`.
@@ -122,7 +77,7 @@ pub fn struct_at(path: &str) -> Option<&'static str> {
     source().structs.contains_key(name).then_some(name)
 }
 
-/// Settings with one of them changed. An error says what the library has against it.
+/// Settings with one of them changed. The error says why the library refuses it.
 pub fn with(settings: &Settings, path: &str, value: Value) -> Result<Settings, String> {
     let mut tree = serde_json::to_value(settings).map_err(|e| e.to_string())?;
     let place = tree.pointer_mut(&pointer(path)).ok_or_else(|| format!("no setting '{path}'"))?;
@@ -131,12 +86,12 @@ pub fn with(settings: &Settings, path: &str, value: Value) -> Result<Settings, S
     settings.validate().map(|()| settings).map_err(|e| e.to_string())
 }
 
-/// Of a path, into the tree of the settings.
+/// The JSON pointer of a path into the tree of the settings.
 pub fn pointer(path: &str) -> String {
     format!("/{}", path.replace('.', "/"))
 }
 
-/// Of the group at this path, "" for those of no group: those right below it and those in its own groups.
+/// The controls of the group at this path, its own groups included. "": those in no group.
 pub fn group(path: &str) -> impl Iterator<Item = &'static Control> {
     let path = path.to_owned();
     all().iter().filter(move |c| match path.as_str() {
@@ -145,22 +100,22 @@ pub fn group(path: &str) -> impl Iterator<Item = &'static Control> {
     })
 }
 
-/// What the library's source says of its settings.
+/// What the library's source says about its settings.
 #[derive(Debug, Default)]
 struct Source {
-    /// By struct, in order: field, type, documentation.
+    /// The fields of each struct, in order: name, type, documentation.
     structs: BTreeMap<String, Vec<(String, String, String)>>,
-    /// By enum, in order: name as serialised, documentation.
+    /// The variants of each enum, in order: name as serialised, documentation.
     enums: BTreeMap<String, Vec<(String, String)>>,
 }
 
 impl Source {
-    /// Of source as rustfmt writes it: a field or variant a line, its documentation right above.
-    fn read(text: &str) -> Self {
+    /// Reads source as rustfmt writes it: one field or variant per line, its documentation right above.
+    fn read(texts: &[&str]) -> Self {
         let mut source = Self::default();
         let mut inside: Option<(bool, String)> = None;
         let mut doc = String::new();
-        for line in text.lines() {
+        for line in texts.iter().flat_map(|text| text.lines()) {
             if let Some(item) = line.strip_prefix("pub struct ").or_else(|| line.strip_prefix("pub enum ")) {
                 let name = item.trim_end_matches(" {").to_owned();
                 inside = Some((line.starts_with("pub struct "), name));
@@ -200,7 +155,7 @@ impl Source {
                     continue;
                 }
                 ty if self.enums.contains_key(ty) => Kind::Choice(self.enums[ty].clone()),
-                _ => match range_of(&path) {
+                _ => match range(&path) {
                     Some(range) => Kind::Slider(range),
                     None => continue,
                 },
@@ -231,7 +186,7 @@ fn snake_case(name: &str) -> String {
     snake
 }
 
-/// Documentation without its marks and the targets of its links.
+/// Documentation without its markup and the targets of its links.
 fn plain(doc: &str) -> String {
     let mut text = String::new();
     let mut rest = doc.trim();
@@ -247,6 +202,7 @@ fn plain(doc: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use deferred_aa::SettingScale;
     use serde_json::json;
 
     fn leaves(tree: &Value, prefix: &str, found: &mut Vec<String>) {
@@ -286,33 +242,26 @@ mod tests {
             }
         }
         let doc = |path: &str| all().iter().find(|c| c.path == path).unwrap().doc.clone();
-        assert!(doc("windowed.tile_limit").contains("up to 4032 = 64 · 63"));
-        assert_eq!(doc("selective.enabled.pte"), "Selective::tau_pte.");
+        assert!(doc("windowed.tile_limit").contains("0 to 4032 = 64 · 63"));
+        assert_eq!(doc("selective.enabled.pte"), "Whether Selective::tau_pte applies.");
     }
 
     #[test]
-    fn ranges_are_the_librarys() {
+    fn every_control_takes_what_the_library_takes() {
         for c in all() {
-            let number =
-                |v: f64, range: Range| if range.scale == Scale::Whole { json!(v as i64) } else { json!(v as f32) };
-            match &c.kind {
-                Kind::Slider(range) => {
-                    for end in [range.least, range.most] {
-                        with(&c.path, number(end, *range)).unwrap_or_else(|e| panic!("{}: {e}", c.path));
-                    }
-                    let span = range.most - range.least;
-                    for beyond in [range.least - span * 1e-3 - 1.0, range.most + span * 1e-3 + 1.0] {
-                        assert!(with(&c.path, number(beyond, *range)).is_err(), "{} takes {beyond}", c.path);
-                    }
+            let values = match &c.kind {
+                Kind::Slider(range) if range.scale == SettingScale::Whole => {
+                    vec![json!(range.least as u32), json!(range.most as u32)]
                 }
-                Kind::Switch => drop([true, false].map(|on| with(&c.path, json!(on)).unwrap())),
-                Kind::Choice(choices) => {
-                    for (name, _) in choices {
-                        with(&c.path, json!(name)).unwrap_or_else(|e| panic!("{}: {e}", c.path));
-                    }
-                }
-                Kind::Goal => drop(with(&c.path, json!({ "error": 0.01 })).unwrap()),
+                Kind::Slider(range) => vec![json!(range.least), json!(range.most)],
+                Kind::Switch => vec![json!(true), json!(false)],
+                Kind::Choice(choices) => choices.iter().map(|(name, _)| json!(name)).collect(),
+                Kind::Goal => vec![Value::Null, json!({ "error": 0.01 }), json!({ "time": 10.0 })],
+            };
+            for value in values {
+                with(&c.path, value).unwrap_or_else(|e| panic!("{}: {e}", c.path));
             }
         }
+        assert!(range("goal.error").is_some() && range("goal.time").is_some());
     }
 }

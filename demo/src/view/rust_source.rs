@@ -4,7 +4,7 @@ use super::controls::{self, Control, Kind};
 use deferred_aa::Settings;
 use serde_json::Value;
 
-/// What differs from the defaults, with the rest of each struct as `..Default::default()`.
+/// Writes what differs from the defaults; `..Default::default()` stands for the rest of each struct.
 pub fn of(settings: &Settings) -> String {
     let tree = |s: &Settings| serde_json::to_value(s).unwrap_or_default();
     body("", &tree(settings), &tree(&Settings::default()), 0) + "\n"
@@ -46,7 +46,7 @@ fn literal(control: &Control, value: &Value) -> String {
     }
 }
 
-/// With the fewest digits that give the same f32.
+/// The number with the fewest digits that gives the same f32.
 fn float(value: &Value) -> String {
     format!("{:?}", value.as_f64().unwrap_or_default() as f32)
 }

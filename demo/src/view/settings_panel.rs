@@ -1,14 +1,14 @@
-//! The controls: every setting of every technique, with its range, its documentation, a way back to its default, and where it can't
-//! be had the reason.
+//! The settings panel: a control for every setting of every technique, with its range and documentation, a way back to its default,
+//! and the reason where it can't be changed.
 
 use super::app::App;
-use super::controls::{self, Control, Kind, Range, Scale};
+use super::controls::{self, Control, Kind};
 use super::side::Side;
 use super::worker::to_sun;
 use crate::host::Options;
 use crate::scene::Sun;
 use deferred_aa::rays::RayTier;
-use deferred_aa::{Preset, Settings, Technique, TextureTier};
+use deferred_aa::{Preset, SettingRange, SettingScale, Settings, Technique, TextureTier};
 use egui::{CollapsingHeader, ComboBox, DragValue, ScrollArea, Slider, SliderClamping, Ui};
 use serde_json::{Value, json};
 use std::f32::consts::PI;
@@ -219,13 +219,13 @@ impl App {
     }
 }
 
-/// A choice that may not be had; whether it was clicked.
+/// A choice that is disabled if something is missing for it. Returns whether it was clicked.
 fn choice(ui: &mut Ui, label: &str, is: bool, missing: Option<&str>) -> bool {
     let radio = ui.add_enabled(missing.is_none(), egui::RadioButton::new(is, label));
     radio.on_disabled_hover_text(format!("this adapter lacks {}", missing.unwrap_or_default())).clicked()
 }
 
-/// A setting's row; its new value if it was changed.
+/// A setting's row. Returns the new value if it was changed.
 fn row(
     ui: &mut Ui,
     control: &Control,
@@ -274,8 +274,8 @@ fn row(
     new
 }
 
-fn slider(ui: &mut Ui, control: &Control, range: Range, now: &Value, new: &mut Option<Value>) -> egui::Response {
-    let whole = range.scale == Scale::Whole;
+fn slider(ui: &mut Ui, control: &Control, range: SettingRange, now: &Value, new: &mut Option<Value>) -> egui::Response {
+    let whole = range.scale == SettingScale::Whole;
     let get_set = |value: Option<f64>| {
         if let Some(value) = value {
             // As an f32 prints, so that files and tooltips read well.
@@ -288,10 +288,10 @@ fn slider(ui: &mut Ui, control: &Control, range: Range, now: &Value, new: &mut O
             .as_f64()
             .map_or(0.0, |v| if whole { v } else { shortest(v as f32).as_f64().unwrap_or(v) })
     };
-    let mut slider = Slider::from_get_set(range.least..=range.most, get_set)
+    let mut slider = Slider::from_get_set(f64::from(range.least)..=f64::from(range.most), get_set)
         .text(&control.label)
         .clamping(SliderClamping::Edits)
-        .logarithmic(range.scale == Scale::Logarithmic)
+        .logarithmic(range.scale == SettingScale::Logarithmic)
         .smallest_positive(1e-4)
         .max_decimals(7);
     if whole {
@@ -318,30 +318,32 @@ fn goal(ui: &mut Ui, control: &Control, now: &Value, has_timestamps: bool, new: 
             }
         }
     });
-    if let Some(mut error) = of("error") {
-        let drag = DragValue::new(&mut error).range(0.0005..=1.0).speed(0.0005).max_decimals(4);
-        if ui.add(drag).on_hover_text("Root mean square error of the displayed image, 0 to 1: 0.01 is 40 dB").changed()
-        {
+    // Less than these is not worth a drag.
+    let bounds = |path: &str, least: f64| {
+        controls::range(path).map(|range| f64::from(range.least).max(least)..=f64::from(range.most))
+    };
+    if let (Some(mut error), Some(bounds)) = (of("error"), bounds("goal.error", 5e-4)) {
+        let drag = DragValue::new(&mut error).range(bounds).speed(5e-4).max_decimals(4);
+        let hint = "Root mean square error of the displayed image, 0 to 1: 0.01 is 40 dB";
+        if ui.add(drag).on_hover_text(hint).changed() {
             *new = Some(json!({ "error": error as f32 }));
         }
     }
-    if let Some(mut time) = of("time")
-        && ui
-            .add(DragValue::new(&mut time).range(0.01..=1e6).suffix(" ms"))
-            .on_hover_text("Of the node's passes")
-            .changed()
-    {
-        *new = Some(json!({ "time": time as f32 }));
+    if let (Some(mut time), Some(bounds)) = (of("time"), bounds("goal.time", 1e-2)) {
+        let drag = DragValue::new(&mut time).range(bounds).suffix(" ms");
+        if ui.add(drag).on_hover_text("GPU time of the node's passes").changed() {
+            *new = Some(json!({ "time": time as f32 }));
+        }
     }
     combo.response
 }
 
-/// With the fewest digits that give the same f32.
+/// The number with the fewest digits that gives the same f32.
 fn shortest(value: f32) -> Value {
     value.to_string().parse::<f64>().map_or(Value::Null, |v| json!(v))
 }
 
-/// On the screen.
+/// The technique's name on the screen.
 pub fn technique(settings: &Settings) -> String {
     format!("{:?}", settings.technique)
 }

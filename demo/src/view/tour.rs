@@ -1,10 +1,10 @@
 //! A scripted run: every control through its range, on every technique, each held until its picture is there.
 
 use super::app::App;
-use super::controls::{self, Kind, Scale};
+use super::controls::{self, Kind};
 use super::side::Side;
 use super::worker::Reference;
-use deferred_aa::{Settings, Technique};
+use deferred_aa::{SettingScale, Settings, Technique};
 use serde_json::{Value, json};
 
 /// One after the other.
@@ -87,16 +87,16 @@ impl Tour {
 
 fn values(kind: &Kind) -> Vec<Value> {
     match kind {
-        Kind::Slider(range) if range.scale == Scale::Whole => {
+        Kind::Slider(range) if range.scale == SettingScale::Whole => {
             let (least, most) = (range.least as i64, range.most as i64);
             vec![json!(least), json!((least + most) / 2), json!(most)]
         }
         Kind::Slider(range) => {
             let middle = match range.scale {
-                Scale::Logarithmic => (range.least.max(1e-4) * range.most).sqrt(),
+                SettingScale::Logarithmic => (range.least.max(1e-4) * range.most).sqrt(),
                 _ => range.least.midpoint(range.most),
             };
-            [range.least, middle, range.most].map(|v| json!(v as f32)).to_vec()
+            [range.least, middle, range.most].map(|v| json!(v)).to_vec()
         }
         Kind::Switch => vec![json!(true), json!(false)],
         Kind::Choice(choices) => choices.iter().map(|(name, _)| json!(name)).collect(),

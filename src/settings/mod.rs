@@ -1,0 +1,138 @@
+//! What a host may change at any frame.
+
+mod curve;
+mod execution;
+mod goal;
+mod multi_resolution;
+mod ranges;
+mod reconstructed;
+mod selective;
+mod view;
+mod windowed;
+
+pub use curve::LuminanceCurve;
+pub use execution::Execution;
+pub use goal::Goal;
+pub use multi_resolution::{Lattice, MultiResolution, Pattern};
+pub use ranges::{SettingRange, SettingScale, SettingsError};
+pub use reconstructed::Reconstructed;
+pub use selective::{ColorReference, Enabled, Selective};
+pub use view::DebugView;
+pub use windowed::{DepthMeasure, Preset, Windowed};
+
+/// Everything that can change between two frames without rebuilding the node.
+///
+/// A pixel's *window* is its m × m samples, n = m² in all; k is how many of them are shaded. Every numeric setting has
+/// a range, listed in [`RANGES`](Self::RANGES).
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
+pub struct Settings {
+    /// How samples are chosen and combined into pixels.
+    pub technique: Technique,
+    /// How the GPU runs the chosen samples. It changes the time but, except for [`Execution::MaxFiltered`], not the
+    /// image. Used by [`Technique::Windowed`] and [`MultiResolution::supersampled`]; other techniques ignore it.
+    pub execution: Execution,
+    /// Settings of [`Technique::Windowed`].
+    pub windowed: Windowed,
+    /// Settings of [`Technique::Reconstructed`].
+    pub reconstructed: Reconstructed,
+    /// Settings of [`Technique::Selective`].
+    pub selective: Selective,
+    /// Settings of [`Technique::MultiResolution`].
+    pub multi_resolution: MultiResolution,
+    /// How a pixel's samples are weighted when they are averaged.
+    pub weight: Weight,
+    /// Whether shadow rays are traced towards the lights of [`Needs::shadows`](crate::Needs::shadows).
+    pub shadows: Effect,
+    /// Whether mirrored rays are traced from the materials of [`Needs::bounces`](crate::Needs::bounces).
+    pub reflections: Effect,
+    /// Whether refracted rays are traced from the materials of [`Needs::bounces`](crate::Needs::bounces).
+    pub refraction: Effect,
+    /// What is written to the target: the image or a debug view.
+    pub view: DebugView,
+    /// An error or a time to hold. The node then scales the constants of [`windowed`](Self::windowed) together from
+    /// frame to frame instead of using them as they are. Only for [`Technique::Windowed`]; other techniques ignore it.
+    pub goal: Option<Goal>,
+}
+
+/// How samples are chosen and combined into pixels. All techniques work on the same G-buffer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+pub enum Technique {
+    /// Shades every sample: full supersampling, the reference that other techniques are compared with.
+    Full,
+    /// Shades one sample per pixel, with the whole pixel as its texture footprint: plain deferred shading.
+    Single,
+    /// Shades the first k samples of each window. k follows from how much depth, normal and luminance vary there
+    /// (Holländer, Boubekeur, Eisemann 2013).
+    #[default]
+    Windowed,
+    /// Shades one sample per window. The other, geometric samples take the colours of nearby shaded samples on the same
+    /// surface and in the same shadow (subpixel reconstruction, Chajdas, McGuire, Luebke 2011, as adapted to ray
+    /// tracing at WSCG 2012). A sample with no similar neighbour is shaded.
+    Reconstructed,
+    /// Shades one sample per pixel, and four in each quadrant of a pixel that contrasts with the three pixels at its
+    /// corner. The threshold depends on which attributes differ there (Jin, Ihm, Chang, Park, Lee, Jung 2009).
+    /// [`Execution`] is ignored: it runs a list of the pixels sorted by k.
+    Selective,
+    /// Refines a coarse lattice of points into finer ones. A point is shaded, or interpolated where its neighbourhood
+    /// is smooth; its rays likewise (University of Alaska Fairbanks thesis on tri-adaptive sampling). Can shade less
+    /// than one sample per pixel and, on request, more.
+    MultiResolution,
+}
+
+impl Technique {
+    /// All techniques, in order.
+    pub const ALL: [Self; 6] =
+        [Self::Full, Self::Single, Self::Windowed, Self::Reconstructed, Self::Selective, Self::MultiResolution];
+}
+
+/// Whether a kind of ray is traced.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+pub enum Effect {
+    /// Traced if the frame's [`Needs`](crate::Needs) ask for it.
+    #[default]
+    Auto,
+    /// Always on. The image equals that of [`Auto`](Self::Auto) bit for bit; where the scene needs none, the passes and
+    /// their memory are spent for nothing.
+    On,
+    /// Never traced.
+    Off,
+}
+
+/// How the samples of a pixel are weighted when they are averaged.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+pub enum Weight {
+    /// Equal weights: the exact linear mean.
+    #[default]
+    Linear,
+    /// Weights of 1/(1 + exposed luminance), so that bright samples do not dominate an edge (Karis 2014). Darker than
+    /// the linear mean.
+    Luminance,
+}
+
+impl Preset {
+    /// Settings with this preset's metrics and the defaults for everything else.
+    pub fn settings(self) -> Settings {
+        Settings { windowed: self.windowed(), ..Default::default() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn presets_are_sound_and_differ() {
+        for preset in Preset::ALL {
+            assert_eq!(preset.settings().validate(), Ok(()), "{preset:?}");
+            assert_eq!(preset.settings(), Settings { windowed: preset.windowed(), ..Default::default() });
+        }
+        let [fast, balanced, quality] = Preset::ALL.map(Preset::windowed);
+        assert!(fast != balanced && balanced != quality && quality != fast);
+        assert_eq!(Windowed::default(), balanced);
+        assert_eq!(Settings::default(), Preset::Balanced.settings());
+    }
+}
