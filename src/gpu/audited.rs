@@ -60,7 +60,7 @@ mod tests {
     fn every_tile_has_its_turn_once() {
         for size in [[1, 1], [96, 54], [960, 540], [1027, 771], [7680, 4320]] {
             let period = u64::from(Audited::of(0, size).period);
-            let mut turns = vec![0; scratch::tiles(size).iter().product::<u32>() as usize];
+            let mut turns = vec![0; size.map(|side| side.div_ceil(TILE)).iter().product::<u32>() as usize];
             for frame in 7..7 + period {
                 let audited = Audited::of(frame, size);
                 let tiles = audited.tiles(size).flatten().count();

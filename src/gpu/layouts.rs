@@ -1,145 +1,231 @@
-//! Rust and WGSL hold the same structs and numbers.
+//! Rust and WGSL hold the same structs, numbers and bindings: in the modules that run, put together as they run.
 
 mod compare;
 
-use crate::effects::{CastingUniform, LightUniform, Traced};
-use crate::frame::{FrameUniform, flag};
-use crate::lattice::{LatticeUniform, StepUniform};
+use crate::gpu::binding::{Access, Binding, OWN_GROUP, PassData, Slot};
+use crate::gpu::casting::{CastSamples, CastingUniform, LightUniform};
+use crate::gpu::frame_uniform::{
+    AuditUniform, FrameUniform, MultiResolutionUniform, ReconstructUniform, SelectiveUniform, WindowedUniform, flag,
+};
+use crate::gpu::lattice::{LatticeUniform, Level, StepUniform};
+use crate::gpu::modules::{Base, source};
+use crate::gpu::sizes::{BATCH, TILE_CLASSES_BYTES, WORK_BYTES, WORK_GROUPS_AT};
+use crate::host::graph::{Grid, Part};
+use crate::host::needs::RayInputs;
+use crate::host::statistics::Counters;
+use crate::host::table::{BINDING_FEATURES, MAX_CLASSES, TextureTier};
+use crate::passes;
 use crate::rays::RayTier;
-use crate::reference::metrics::By;
-use crate::scratch::{List, WORK_BYTES};
-use crate::statistics::Counters;
-use crate::table::{BINDING_FEATURES, MAX_CLASSES, TextureTier};
-use crate::wgsl::{BUILTINS, HostSource, join_plain, join_reading, tokens};
-use crate::{DebugView, TILE};
+use crate::wgsl::{BUILTINS, HostSource, chunk, tokens};
+use crate::{DebugView, DecidedBy, TILE};
 use compare::{constant, parse, rust_layout, wgsl_layout};
+use naga::valid::GlobalUse;
+use std::collections::BTreeMap;
 use wgpu::naga;
 
-const SELECT: &str = include_str!("../shaders/select.wgsl");
-/// A pass over lattices of these values.
-macro_rules! refined {
-    ($values:literal, $pass:literal) => {
-        concat!(
-            include_str!("../shaders/lattice.wgsl"),
-            "\n",
-            include_str!($values),
-            "\n",
-            include_str!("../shaders/bilateral.wgsl"),
-            "\n",
-            include_str!("../shaders/residual.wgsl"),
-            "\n",
-            include_str!($pass)
-        )
-    };
-}
-const REFINE: &str = refined!("../shaders/lattice_colors.wgsl", "../shaders/refine.wgsl");
-const PLAIN: [(&str, &str); 12] = [
-    ("check", include_str!("../shaders/check.wgsl")),
-    ("classify", include_str!("../shaders/classify.wgsl")),
-    ("list", concat!(include_str!("../shaders/work.wgsl"), "\n", include_str!("../shaders/list.wgsl"))),
-    ("max_filter", include_str!("../shaders/max_filter.wgsl")),
-    ("metrics", include_str!("../shaders/metrics.wgsl")),
-    ("plan", include_str!("../shaders/plan.wgsl")),
-    ("resolve", include_str!("../shaders/resolve.wgsl")),
-    ("select", SELECT),
-    ("refine", REFINE),
-    ("refine rays", refined!("../shaders/lattice_rays.wgsl", "../shaders/refine.wgsl")),
-    ("map", refined!("../shaders/lattice_colors.wgsl", "../shaders/map.wgsl")),
-    ("view", include_str!("../shaders/view.wgsl")),
-];
-const SHADING: [(&str, &str); 7] = [
-    (
-        "reconstruct",
-        concat!(
-            include_str!("../shaders/ranks.wgsl"),
-            "\n",
-            include_str!("../shaders/bilateral.wgsl"),
-            "\n",
-            include_str!("../shaders/reconstruct.wgsl")
-        ),
-    ),
-    (
-        "points",
-        concat!(
-            include_str!("../shaders/lattice.wgsl"),
-            "\n",
-            include_str!("../shaders/lattice_colors.wgsl"),
-            "\n",
-            include_str!("../shaders/listing.wgsl"),
-            "\n",
-            include_str!("../shaders/points.wgsl")
-        ),
-    ),
-    (
-        "extra",
-        concat!(
-            include_str!("../shaders/ranks.wgsl"),
-            "\n",
-            include_str!("../shaders/work.wgsl"),
-            "\n",
-            include_str!("../shaders/extra.wgsl")
-        ),
-    ),
-    ("first", include_str!("../shaders/first.wgsl")),
-    ("shade", include_str!("../shaders/shade.wgsl")),
-    ("audit", include_str!("../shaders/audit.wgsl")),
-    (
-        "listed",
-        concat!(
-            include_str!("../shaders/work.wgsl"),
-            "\n",
-            include_str!("../shaders/shade.wgsl"),
-            "\n",
-            include_str!("../shaders/listed.wgsl")
-        ),
-    ),
-];
-const TRACE: &str = include_str!("../shaders/trace.wgsl");
-const BOUNCE: &str = include_str!("../shaders/bounce.wgsl");
 const TIERS: [TextureTier; 3] = [TextureTier::None, TextureTier::Arrays, TextureTier::Bindings];
+const RAYS: [RayTier; 2] = [RayTier::Software, RayTier::Query];
 
-fn plain(pass: &str) -> naga::Module {
-    let (_, chunk) = PLAIN.iter().find(|(name, _)| *name == pass).expect("a pass");
-    parse(&join_plain(chunk))
+/// With every hook.
+const SPLIT: &str = "fn material(s: DaaSample) -> DaaMaterial { return DaaMaterial(); }
+    fn light(f: DaaSurface, m: DaaMaterial) -> vec4f { return m.base_color * f.coverage; }
+    fn sky(s: DaaSample) -> vec4f { return vec4f(s.view, 1.0); }
+    fn bounce(s: DaaSample) -> DaaBounce { return DaaBounce(s.normal, 1.5, s.view, s.normal); }
+    fn solid(material: u32, uv: vec2f) -> bool { return fract(uv.x) > 0.5; }";
+const WHOLE: &str = "fn shade(s: DaaSample) -> vec4f { return vec4f(s.normal, 1.0); }";
+
+fn host(source: &str, tier: TextureTier) -> HostSource {
+    HostSource::check(source, "host", tier, BINDING_FEATURES).expect("a sound hook")
 }
 
-/// Every module that the crate makes: the passes that only read the G-buffer, and those that shade, with each kind of
-/// hook on each tier.
+/// A pass's module as a node with every hook runs it.
+fn module(pass: &PassData, inputs: RayInputs, tier: RayTier) -> naga::Module {
+    parse(&source(pass.module, &host(SPLIT, TextureTier::None), inputs, tier))
+}
+
+/// Every module that the crate makes, with each kind of hook on each tier, by name.
 fn modules() -> Vec<(String, naga::Module)> {
-    let mut all: Vec<_> = PLAIN.iter().map(|&(name, _)| (name.to_owned(), plain(name))).collect();
-    for traced in Traced::ALL {
-        all.push((format!("select {traced:?}"), parse(&join_reading(SELECT, traced))));
-        all.push((format!("refine {traced:?}"), parse(&join_reading(REFINE, traced))));
-    }
-    let whole = "fn shade(s: DaaSample) -> vec4f { return vec4f(s.normal, 1.0); }";
-    let split = "fn material(s: DaaSample) -> DaaMaterial { return DaaMaterial(); }
-        fn light(f: DaaSurface, m: DaaMaterial) -> vec4f { return m.base_color * f.coverage; }
-        fn sky(s: DaaSample) -> vec4f { return vec4f(s.view, 1.0); }
-        fn bounce(s: DaaSample) -> DaaBounce { return DaaBounce(s.normal, 1.5, s.view, s.normal); }
-        fn solid(material: u32, uv: vec2f) -> bool { return fract(uv.x) > 0.5; }";
+    let mut texts = BTreeMap::new();
     for tier in TIERS {
-        for source in [whole, split] {
-            let host = HostSource::check(source, "host", tier, BINDING_FEATURES).expect("a sound hook");
-            for traced in Traced::ALL {
-                let joined = |(name, pass)| (format!("{name} {tier:?} {traced:?}"), parse(&host.join(pass, traced)));
-                all.extend(SHADING.map(joined));
-            }
-            for rays in [RayTier::Software, RayTier::Query] {
-                all.push((format!("trace {tier:?} {rays:?}"), parse(&host.join_traced(TRACE, rays, false))));
-                if host.bounces {
-                    all.push((
-                        format!("trace, bounce {tier:?} {rays:?}"),
-                        parse(&host.join_traced(BOUNCE, rays, true)),
-                    ));
+        for hook in [WHOLE, SPLIT] {
+            let host = host(hook, tier);
+            for pass in passes::ALL {
+                if pass.module.base == (Base::Casting { shades: true }) && !host.bounces {
+                    continue;
+                }
+                for (inputs, rays) in RayInputs::ALL.into_iter().flat_map(|inputs| RAYS.map(|rays| (inputs, rays))) {
+                    let text = source(pass.module, &host, inputs, rays);
+                    texts.entry(text).or_insert_with(|| format!("{} {tier:?} {inputs:?} {rays:?}", pass.module.name));
                 }
             }
         }
     }
-    all
+    texts.into_iter().map(|(text, name)| (name, parse(&text))).collect()
+}
+
+/// What an entry point does with each variable of a group, by binding.
+fn used(module: &naga::Module, entry: &str, group: u32) -> BTreeMap<u32, GlobalUse> {
+    let mut validator =
+        naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::all());
+    let info = validator.validate(module).expect("a sound module");
+    let index = module.entry_points.iter().position(|e| e.name == entry);
+    let of_entry = info.get_entry_point(index.unwrap_or_else(|| panic!("{entry} is gone")));
+    let bound =
+        module.global_variables.iter().filter_map(|(handle, variable)| Some((variable.binding?, of_entry[handle])));
+    bound.filter(|(at, use_)| at.group == group && !use_.is_empty()).map(|(at, use_)| (at.binding, use_)).collect()
+}
+
+/// The name of a binding, which differs on a tier of rays for one.
+fn name(binding: &Binding, tier: RayTier) -> &'static str {
+    if binding.slot == Slot::RayNodes && tier == RayTier::Query { "daa_ray_tlas" } else { binding.name }
+}
+
+/// Whether WGSL declares what a layout says.
+fn is_of_type(module: &naga::Module, variable: &naga::GlobalVariable, ty: wgpu::BindingType) -> bool {
+    let inner = &module.types[variable.ty].inner;
+    match ty {
+        wgpu::BindingType::Buffer { ty: wgpu::BufferBindingType::Uniform, .. } => {
+            variable.space == naga::AddressSpace::Uniform
+        }
+        wgpu::BindingType::Buffer { ty: wgpu::BufferBindingType::Storage { read_only }, .. } => {
+            let access = if read_only {
+                naga::StorageAccess::LOAD
+            } else {
+                naga::StorageAccess::LOAD | naga::StorageAccess::STORE
+            };
+            variable.space == naga::AddressSpace::Storage { access }
+        }
+        wgpu::BindingType::Texture { .. } => {
+            matches!(inner, naga::TypeInner::Image { class: naga::ImageClass::Sampled { .. }, .. })
+        }
+        wgpu::BindingType::StorageTexture { .. } => matches!(
+            inner,
+            naga::TypeInner::Image { class: naga::ImageClass::Storage { access, .. }, .. } if *access == naga::StorageAccess::STORE
+        ),
+        wgpu::BindingType::AccelerationStructure { .. } => {
+            matches!(inner, naga::TypeInner::AccelerationStructure { .. })
+        }
+        _ => false,
+    }
+}
+
+/// What is wrong with the list of bindings of a pass, held against its module.
+fn faults(pass: &PassData, module: &naga::Module, tier: RayTier) -> Vec<String> {
+    let mut faults = Vec::new();
+    let variable = |index: u32| {
+        let at = |v: &naga::GlobalVariable| v.binding.is_some_and(|b| b.group == OWN_GROUP && b.binding == index);
+        module.global_variables.iter().map(|(_, v)| v).find(|v| at(v))
+    };
+    for pair in pass.bindings.windows(2).filter(|pair| pair[0].index >= pair[1].index) {
+        faults.push(format!("{} is not in order", pair[1].name));
+    }
+    for binding in pass.bindings {
+        let what = name(binding, tier);
+        match variable(binding.index) {
+            None => faults.push(format!("{what} is not in WGSL")),
+            Some(v) if v.name.as_deref() != Some(what) => faults.push(format!("{what} is {:?} in WGSL", v.name)),
+            Some(v) if !is_of_type(module, v, binding.ty(tier)) => faults.push(format!("{what} is of another type")),
+            Some(_) => {}
+        }
+    }
+    let mut written_by_any = std::collections::BTreeSet::new();
+    for stage in pass.stages {
+        let uses = used(module, stage.entry, OWN_GROUP);
+        let bound: Vec<_> = pass.bound(stage).collect();
+        for (&index, use_) in &uses {
+            match bound.iter().find(|binding| binding.index == index) {
+                None => faults.push(format!("{}: binding {index} is missing", stage.entry)),
+                Some(binding) if use_.contains(GlobalUse::WRITE) => drop(written_by_any.insert(binding.index)),
+                Some(_) => {}
+            }
+        }
+        for binding in bound.iter().filter(|binding| !uses.contains_key(&binding.index)) {
+            faults.push(format!("{}: {} is bound and not used", stage.entry, binding.name));
+        }
+    }
+    for binding in pass.bindings {
+        let writes = written_by_any.contains(&binding.index);
+        // A pass over some samples may leave what those over others write.
+        match binding.used {
+            Some(Access::Read) if writes => faults.push(format!("{} is written", binding.name)),
+            Some(Access::Write | Access::Update) if !writes => faults.push(format!("{} is only read", binding.name)),
+            _ => {}
+        }
+    }
+    let frame = pass.stages.iter().flat_map(|stage| used(module, stage.entry, 0).into_keys());
+    let reads_gbuffer = frame.into_iter().any(|binding| (1..=4).contains(&binding));
+    if reads_gbuffer != pass.gbuffer {
+        faults.push(format!("it reads the G-buffer: {reads_gbuffer}"));
+    }
+    if pass.draws() != pass.stages.iter().all(|stage| stage.grid == Grid::Target) {
+        faults.push("it draws and computes".to_owned());
+    }
+    // `Recording` has room for two dynamic offsets.
+    for stage in pass.stages.iter().filter(|s| pass.bound(s).filter(|b| b.dynamic().is_some()).count() > 2) {
+        faults.push(format!("{}: more dynamic offsets than there is room for", stage.entry));
+    }
+    faults
+}
+
+/// Names, order, access and type: what a pass declares is what its shader has, in each entry point.
+#[test]
+fn bindings_are_the_shaders() {
+    for pass in passes::ALL {
+        for tier in RAYS {
+            let module = module(pass, RayInputs::ALL[3], tier);
+            assert_eq!(faults(pass, &module, tier), Vec::<String>::new(), "{:?} {tier:?}", pass.names);
+        }
+    }
+}
+
+/// The comparison sees a swapped access, a missing and an extra binding, and what a pass does not say of itself.
+#[test]
+fn wrong_bindings_are_seen() {
+    let pass = &passes::plan::PLAN;
+    let [counts, plan, statistics] = [pass.bindings[0], pass.bindings[1], pass.bindings[2]];
+    let found = |bindings: Vec<Binding>, gbuffer: bool| {
+        let wrong = PassData { bindings: bindings.leak(), gbuffer, ..*pass };
+        faults(&wrong, &module(pass, RayInputs::default(), RayTier::Software), RayTier::Software)
+    };
+    assert_eq!(found(vec![counts, plan, statistics], false), Vec::<String>::new());
+    let swapped = Binding { access: Access::Update, ..counts };
+    assert_eq!(found(vec![swapped, plan, statistics], false), ["daa_counts is of another type"]);
+    let written = Binding { used: Some(Access::Update), ..counts };
+    assert_eq!(found(vec![written, plan, statistics], false), ["daa_counts is only read"]);
+    let kept = Binding { used: Some(Access::Read), ..plan };
+    assert_eq!(found(vec![counts, kept, statistics], false), ["daa_plan is written"]);
+    assert_eq!(found(vec![counts, plan], false), ["daa_plan_main: binding 2 is missing"]);
+    let extra = Binding::read(3, "daa_first", Slot::Part(Part::First));
+    assert_eq!(
+        found(vec![counts, plan, statistics, extra], false),
+        ["daa_first is not in WGSL", "daa_plan_main: daa_first is bound and not used"]
+    );
+    let named = Binding { name: "daa_window_counts", ..counts };
+    assert_eq!(found(vec![named, plan, statistics], false), ["daa_window_counts is Some(\"daa_counts\") in WGSL"]);
+    assert_eq!(found(vec![plan, counts, statistics], false)[0], "daa_counts is not in order");
+    assert_eq!(found(vec![counts, plan, statistics], true), ["it reads the G-buffer: false"]);
+}
+
+/// Passes that share a pipeline bind the same under it.
+#[test]
+fn shared_pipelines_have_one_layout() {
+    let mut layouts: BTreeMap<(&str, &str), Vec<(u32, wgpu::BindingType)>> = BTreeMap::new();
+    for pass in passes::ALL {
+        for stage in pass.stages {
+            let layout: Vec<_> = pass.bound(stage).map(|b| (b.index, b.ty(RayTier::Software))).collect();
+            let first = layouts.entry((pass.module.name, stage.entry)).or_insert_with(|| layout.clone());
+            assert_eq!(*first, layout, "{:?} {}", pass.names, stage.entry);
+        }
+    }
+    let mut names: BTreeMap<&str, *const [&str]> = BTreeMap::new();
+    for pass in passes::ALL {
+        let chunks = *names.entry(pass.module.name).or_insert(pass.module.chunks);
+        assert!(std::ptr::eq(chunks, pass.module.chunks), "two modules are called {}", pass.module.name);
+    }
 }
 
 #[test]
-fn every_joined_module_is_sound_and_has_the_frame() {
+fn every_module_is_sound_and_has_the_frame() {
     let uniform = rust_layout!(FrameUniform {
         relative_from_clip,
         camera_position,
@@ -149,41 +235,58 @@ fn every_joined_module_is_sound_and_has_the_frame() {
         size,
         tiles_x,
         flags,
-        depth_scale,
-        normal_scale,
-        luminance_scale,
-        luminance_min,
-        luminance_edge,
-        identity_samples,
-        shadow_samples,
-        tile_limit,
-        view,
-        least_samples,
-        audit_period,
-        audit_phase,
-        audit_step,
-        audit_least,
-        geometry,
-        reconstruct_depth,
-        reconstruct_normal,
-        reconstruct_contrast,
-        reconstruct_contrast_min,
-        reconstruct_least,
-        lattice_color,
-        lattice_position,
-        casting,
-        selective_primary,
-        selective_secondary,
-        selective_color,
-        selective_floor,
-        selective_normal,
-        selective_samples,
         footprint,
+        least_samples,
+        tile_limit,
+        casting,
+        view,
+        padding,
+        windowed,
+        audit,
+        reconstruct,
+        selective,
+        multi_resolution,
         order,
         centres,
     });
+    let parts = [
+        (
+            "DaaWindowed",
+            rust_layout!(WindowedUniform {
+                depth_scale,
+                normal_scale,
+                luminance_scale,
+                luminance_min,
+                luminance_edge,
+                identity_samples,
+                shadow_samples,
+                padding,
+            }),
+        ),
+        ("DaaAudit", rust_layout!(AuditUniform { period, phase, step, least_samples })),
+        (
+            "DaaReconstruct",
+            rust_layout!(ReconstructUniform {
+                samples,
+                depth_scale,
+                normal_scale,
+                contrast_scale,
+                contrast_min,
+                least_weight,
+                padding,
+            }),
+        ),
+        (
+            "DaaSelective",
+            rust_layout!(SelectiveUniform { primary, secondary, color, contrast_min, normal_cosine, samples }),
+        ),
+        ("DaaMultiResolution", rust_layout!(MultiResolutionUniform { color, position, padding })),
+    ];
     for (name, module) in modules() {
         assert_eq!(wgsl_layout(&module, "DaaFrame"), uniform, "{name}");
+        for (part, layout) in &parts {
+            assert_eq!(wgsl_layout(&module, part), *layout, "{name}");
+        }
     }
     let host_pack = format!(
         "{}\n@fragment fn f(@location(0) n: vec3f) -> DaaGBuffer {{
@@ -211,25 +314,47 @@ fn counters_are_the_shaders() {
     for (name, module) in modules() {
         assert_eq!(wgsl_layout(&module, "DaaStatistics"), counters, "{name}");
     }
+    let counts = Counters { histogram: [0; 64], ..bytemuck::Zeroable::zeroed() };
+    assert_eq!(counts.decided.values().len(), DecidedBy::ALL.len());
+    assert_eq!(counts.quadrants.values().len(), crate::Attribute::ALL.len());
+    assert_eq!(counts.points.values().len(), Level::COUNT);
 }
 
 #[test]
-fn casting_lights_are_the_shaders() {
+fn casting_is_the_shaders() {
     let light = rust_layout!(LightUniform { position, punctual, direction, cone, range, padding });
     let casting = rust_layout!(CastingUniform { count, samples, keeps, padding, step, lights });
     let lattice = rust_layout!(LatticeUniform { kind, level, width, height, first, place, padding });
     let step = rust_layout!(StepUniform { points, parents, scale, coarsest, rays, found, padding });
-    for (name, module) in modules().into_iter().filter(|(name, _)| name.starts_with("trace")) {
-        assert_eq!(wgsl_layout(&module, "DaaCastingLight"), light, "{name}");
-        assert_eq!(wgsl_layout(&module, "DaaCasting"), casting, "{name}");
-        assert_eq!(wgsl_layout(&module, "DaaLattice").0, lattice.0, "{name}");
-        assert_eq!(wgsl_layout(&module, "DaaStep"), step, "{name}");
+    let codes = [
+        ("FIRST", CastSamples::First),
+        ("FULL", CastSamples::Full),
+        ("PLANNED", CastSamples::Planned),
+        ("AUDITED", CastSamples::Audited),
+        ("GEOMETRIC", CastSamples::Geometric),
+        ("POINTS", CastSamples::Points(Level::Half)),
+    ];
+    for pass in passes::ALL.iter().filter(|pass| matches!(pass.module.base, Base::Casting { .. })) {
+        for tier in RAYS {
+            let module = module(pass, RayInputs::default(), tier);
+            assert_eq!(wgsl_layout(&module, "DaaCastingLight"), light);
+            assert_eq!(wgsl_layout(&module, "DaaCasting"), casting);
+            assert_eq!(wgsl_layout(&module, "DaaLattice").0, lattice.0);
+            assert_eq!(wgsl_layout(&module, "DaaStep"), step);
+            for (name, samples) in codes {
+                assert_eq!(constant(&module, &format!("DAA_SAMPLES_{name}")), samples.code(), "{name}");
+            }
+        }
     }
+}
+
+fn metrics() -> naga::Module {
+    module(&passes::metrics::METRICS, RayInputs::default(), RayTier::Software)
 }
 
 #[test]
 fn flags_are_the_shaders() {
-    let module = plain("metrics");
+    let module = metrics();
     let flags = [
         ("DEPTH_PLANE", flag::DEPTH_PLANE),
         ("TWO_SIDED", flag::TWO_SIDED),
@@ -245,7 +370,6 @@ fn flags_are_the_shaders() {
         ("SECONDARY_APART", flag::SECONDARY_APART),
         ("WEIGHT_LUMINANCE", flag::WEIGHT_LUMINANCE),
         ("FULL", flag::FULL),
-        ("PLANNED", flag::PLANNED),
         ("EDGE_AWARE_FIRST", flag::EDGE_AWARE_FIRST),
         ("SELECTIVE", flag::SELECTIVE),
         ("SHADOW_LIGHTS", flag::SHADOW_LIGHTS),
@@ -270,102 +394,88 @@ fn flags_are_the_shaders() {
 
 #[test]
 fn deciding_metrics_are_the_shaders() {
-    let module = plain("metrics");
-    let all = [
-        ("NOTHING", By::Nothing),
-        ("DEPTH", By::Depth),
-        ("NORMAL", By::Normal),
-        ("LUMINANCE", By::Luminance),
-        ("IDENTITY", By::Identity),
-        ("LEAST", By::Least),
-        ("SHADOW", By::Shadow),
-    ];
-    for (name, by) in all {
+    let module = metrics();
+    for by in DecidedBy::ALL {
+        let name = format!("{by:?}").to_uppercase();
         assert_eq!(constant(&module, &format!("DAA_BY_{name}")), by as u32, "{name}");
     }
     let named = module.constants.iter().filter(|(_, c)| c.name.as_deref().is_some_and(|n| n.starts_with("DAA_BY_")));
-    assert_eq!(named.count(), all.len());
-    assert_eq!(size_of_val(&Counters { decided: [0; 7], ..bytemuck::Zeroable::zeroed() }.decided) / 4, all.len());
+    assert_eq!(named.count(), DecidedBy::ALL.len());
 }
 
-/// `case 5u: { … } // Normal`: the comment is the variant, so that a case moved alone shows.
+/// Each view's number stands in one place: a case with the view's name in its comment, or an entry point whose comment begins with it.
 #[test]
 fn debug_views_are_the_shaders_cases() {
-    let text = include_str!("../shaders/view.wgsl");
-    let mut named = Vec::new();
+    let text = include_str!("../../shaders/passes/view.wgsl");
+    let mut cases = Vec::new();
     for line in text.lines() {
-        if let Some((number, rest)) = line.trim().strip_prefix("case ").and_then(|l| l.split_once("u:")) {
-            let comment = rest.rsplit("// ").next().expect("a comment");
+        if let Some((number, rest)) = line.trim().strip_prefix("case ").and_then(|l| l.split_once("u: {"))
+            && let Some((_, comment)) = rest.split_once("// ")
+        {
             let name = comment.split(|c: char| !c.is_alphanumeric()).next().unwrap_or_default();
-            named.push((number.parse::<u32>().expect("a number"), name.to_owned()));
+            cases.push((number.parse::<u32>().expect("a number"), name.to_owned()));
         }
     }
     let views = DebugView::ALL.map(|view| (view as u32, format!("{view:?}")));
-    // The image itself is resolve's.
-    assert_eq!(named, views[1..]);
     assert!(views.iter().map(|v| v.0).eq(0..views.len() as u32), "ALL is in order");
+    // The image itself is resolve's.
+    for view in &views[1..] {
+        let entry = format!("/// {}:", view.1);
+        assert!(cases.contains(view) != text.contains(&entry), "{view:?} is shown once");
+    }
+    assert!(cases.iter().all(|case| views.contains(case)), "{cases:?}");
 }
 
+/// Grids count on these workgroups.
 #[test]
-fn tiles_are_the_shaders() {
+fn workgroups_are_the_grids() {
     let tile = [TILE, TILE, 1];
     let flat = [TILE * TILE, 1, 1];
-    let expected = [
-        ("daa_audit_main", flat),
-        ("daa_check_main", tile),
-        ("daa_classify_finish", [1, 1, 1]),
-        ("daa_classify_main", flat),
-        ("daa_first_main", tile),
-        ("daa_map_main", flat),
-        ("daa_points_main", tile),
-        ("daa_refine_judge", tile),
-        ("daa_refine_main", tile),
-        ("daa_list_count_pixels", flat),
-        ("daa_list_count_samples", flat),
-        ("daa_list_pixels", flat),
-        ("daa_list_samples", flat),
-        ("daa_list_scan", [256, 1, 1]),
-        ("daa_max_filter_main", tile),
-        ("daa_metrics_main", tile),
-        ("daa_plan_main", flat),
-        ("daa_shade_full", tile),
-        ("daa_shade_gather", tile),
-        ("daa_shade_packed", flat),
-        ("daa_shade_pixels", flat),
-        ("daa_shade_loop", tile),
-        ("daa_shade_tiled", flat),
-        ("daa_reconstruct_main", flat),
-        ("daa_select_main", flat),
-        ("daa_extra_main", flat),
-        ("daa_extra_between", tile),
-        ("daa_trace_main", flat),
-        ("daa_bounce_main", flat),
-    ];
-    let mut seen = 0;
-    for (name, module) in modules() {
-        for entry in module.entry_points.iter().filter(|e| e.stage == naga::ShaderStage::Compute) {
-            let found = expected.iter().find(|(entry_point, _)| *entry_point == entry.name);
-            assert_eq!(found.map(|f| f.1), Some(entry.workgroup_size), "{name}: {}", entry.name);
-            seen |= 1 << expected.iter().position(|e| e.0 == entry.name).expect("found above");
+    let mut checked = std::collections::BTreeSet::new();
+    for pass in passes::ALL.iter().filter(|pass| !pass.draws()) {
+        let module = module(pass, RayInputs::default(), RayTier::Software);
+        for stage in pass.stages {
+            let entry = module.entry_points.iter().find(|e| e.name == stage.entry).expect(stage.entry);
+            let expected: &[[u32; 3]] = match stage.grid {
+                Grid::One => &[[1, 1, 1], [256, 1, 1]],
+                Grid::Counts => &[[256, 1, 1]],
+                Grid::TileRuns | Grid::Indirect { .. } | Grid::AuditedTiles => &[flat],
+                Grid::Tiles => &[flat, tile],
+                // Lanes of a block of points may be counted along one side, or both.
+                Grid::Points(_) => &[flat, tile],
+                Grid::Pixels(_) | Grid::Samples | Grid::Parents | Grid::Cells => &[tile],
+                Grid::Target => unreachable!("drawn"),
+            };
+            assert!(expected.contains(&entry.workgroup_size), "{}: {:?}", stage.entry, entry.workgroup_size);
+            checked.insert(stage.entry);
         }
     }
-    assert_eq!(seen, (1 << expected.len()) - 1, "an entry point is gone");
-    // The literals that follow from TILE = 8: a shift by 3, a mask of 7, 64 windows, and 64 · 63 samples beyond the first.
-    assert_eq!(TILE, 1 << 3);
+    assert!(checked.len() > 25, "{checked:?}");
+    let lattice = module(&passes::lattice::points::POINTS, RayInputs::default(), RayTier::Software);
+    assert_eq!(constant(&lattice, "DAA_LANE_SIDE") * TILE, passes::lattice::points::BLOCK);
+    assert_eq!(TILE, 1 << 3, "a shift by 3, a mask of 7, 64 windows, 64 · 63 samples beyond the first");
     assert_eq!(crate::Windowed::NO_TILE_LIMIT, TILE * TILE * (crate::window::MAX_M.pow(2) - 1));
 }
 
+/// What a pass reads an indirect dispatch from is where its shader writes it.
 #[test]
-fn works_are_the_shaders() {
-    let mut seen = 0;
-    for (name, module) in modules().into_iter().filter(|(name, _)| name.starts_with("list")) {
+fn dispatches_are_where_the_shaders_write_them() {
+    for pass in [&passes::list::PIXELS, &passes::list::SAMPLES] {
+        let module = module(pass, RayInputs::default(), RayTier::Software);
         let (members, size) = wgsl_layout(&module, "DaaWork");
-        assert_eq!(u64::from(size), WORK_BYTES, "{name}");
+        assert_eq!(u64::from(size), WORK_BYTES);
         let groups = members.iter().find(|m| m.0 == "groups_x").map(|m| u64::from(m.1));
-        assert_eq!(groups, Some(List::GROUPS_AT), "{name}");
-        seen += 1;
+        assert_eq!(groups, Some(WORK_GROUPS_AT));
+        assert_eq!(u64::from(constant(&module, "DAA_BATCH")), BATCH);
     }
-    assert!(seen > 1);
+    let classify = module(&passes::rays::classify::CLASSIFY, RayInputs::default(), RayTier::Software);
+    let (members, size) = wgsl_layout(&classify, "DaaTileClass");
+    assert_eq!(u64::from(size) * 2, TILE_CLASSES_BYTES);
+    let at = members.iter().find(|m| m.0 == "groups_x").map(|m| u64::from(m.1)).expect("groups");
+    for (pass, class) in [(&passes::rays::trace::FIRST, 0), (&passes::rays::bounce::FIRST, 1)] {
+        let expected = Grid::Indirect { part: Part::Tiles, offset: class * u64::from(size) + at };
+        assert_eq!(pass.stages[0].grid, expected);
+    }
 }
 
 #[test]
@@ -376,7 +486,8 @@ fn table_bindings_are_the_layouts() {
         TextureTier::Arrays,
         wgpu::Features::empty(),
     );
-    let module = parse(&host.expect("a sound hook").join(SHADING[0].1, Traced::default()));
+    let first = passes::first::FIRST.module;
+    let module = parse(&source(first, &host.expect("a sound hook"), RayInputs::default(), RayTier::Software));
     let mut bound: Vec<_> = module
         .global_variables
         .iter()
@@ -389,7 +500,7 @@ fn table_bindings_are_the_layouts() {
     expected.extend((0..MAX_CLASSES as u32).map(|i| (1 + MAX_CLASSES as u32 + i, format!("daa_sampler_{i}"))));
     assert_eq!(bound, expected);
     // A case for each class but the first, which is the default, each with its own texture and sampler.
-    let text = include_str!("../shaders/table_arrays.wgsl");
+    let text = chunk::TABLE_ARRAYS;
     for i in 1..MAX_CLASSES {
         let case = format!("case {i}u: {{ return textureSampleGrad(daa_texture_{i}, daa_sampler_{i}, ");
         assert!(text.contains(&case), "{case}");
@@ -409,27 +520,6 @@ fn a_host_has_the_group_that_the_contract_says() {
 /// What a host must not declare anew: whatever the shaders call that is not theirs, and the types that they use.
 #[test]
 fn builtins_are_what_the_shaders_use() {
-    let all = [
-        include_str!("../shaders/contract.wgsl"),
-        include_str!("../shaders/octahedral.wgsl"),
-        include_str!("../shaders/sample.wgsl"),
-        include_str!("../shaders/mean.wgsl"),
-        include_str!("../shaders/statistics.wgsl"),
-        include_str!("../shaders/evaluate.wgsl"),
-        include_str!("../shaders/table_arrays.wgsl"),
-        include_str!("../shaders/table_bindings.wgsl"),
-        include_str!("../shaders/shadows.wgsl"),
-        include_str!("../shaders/secondary.wgsl"),
-        include_str!("../shaders/shared_exponent.wgsl"),
-        include_str!("../shaders/casting.wgsl"),
-        include_str!("../shaders/lattice.wgsl"),
-        include_str!("../shaders/listing.wgsl"),
-        include_str!("../shaders/rays.wgsl"),
-        include_str!("../shaders/rays_software.wgsl"),
-        include_str!("../shaders/rays_query.wgsl"),
-        TRACE,
-        BOUNCE,
-    ];
     const OTHER: [&str; 12] = [
         "align",
         "binding",
@@ -447,7 +537,8 @@ fn builtins_are_what_the_shaders_use() {
     // Used without a bracket after them.
     const TYPES: [&str; 9] = ["array", "atomic", "binding_array", "bitcast", "bool", "f32", "i32", "sampler", "u32"];
     let mut used = std::collections::BTreeSet::new();
-    for text in all.into_iter().chain(PLAIN.map(|p| p.1)).chain(SHADING.map(|p| p.1)) {
+    // What packs is in the host's own module.
+    for text in passes::shader_texts().into_iter().filter(|text| !text.contains("fn daa_pack(")) {
         let tokens = tokens(text);
         for (i, &(_, token)) in tokens.iter().enumerate() {
             let called = tokens.get(i + 1).is_some_and(|next| next.1 == "(");

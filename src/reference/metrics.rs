@@ -1,6 +1,7 @@
 //! Twin of `shaders/metrics.wgsl`.
 
 use super::octahedral;
+pub use crate::host::plan_word::DecidedBy as By;
 use crate::settings::{DepthMeasure, LuminanceCurve, Windowed};
 use glam::DVec3;
 
@@ -9,26 +10,6 @@ pub const SKY_DEPTH: f32 = 1e-30;
 
 /// How far f32 arithmetic may move a metric: GPU and twin may differ in k where the metric lies within this of a half.
 pub const ROUNDING_BAND: f64 = 2e-3;
-
-/// Which metric decided k, numbered as in the plan.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[repr(u8)]
-pub enum By {
-    /// k = 1.
-    Nothing = 0,
-    /// Depth.
-    Depth = 1,
-    /// Normals.
-    Normal = 2,
-    /// Luminance of S.
-    Luminance = 3,
-    /// Material or object.
-    Identity = 4,
-    /// The least k allowed.
-    Least = 5,
-    /// The lights that reach it.
-    Shadow = 6,
-}
 
 /// What the metrics read.
 #[derive(Debug, Clone, Copy)]
