@@ -3,9 +3,9 @@
 use super::render::write_json;
 use super::{CommandError, ViewArgs, parse_preset, say, set};
 use crate::host::Shot;
+use crate::measure::quality::{self, Quality};
+use crate::measure::stats::Stats;
 use crate::picture::{self, Panel, Picture};
-use crate::quality::{self, Quality};
-use crate::stats::Stats;
 use deferred_aa::{Execution, Preset, Settings, Technique};
 
 /// See `deferred-aa-demo demo --help`.

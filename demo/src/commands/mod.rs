@@ -9,12 +9,12 @@ mod shaders;
 mod tune;
 mod view;
 
-use crate::gpu::{self, Gpu, GpuError};
+use crate::host::gpu::{self, Gpu, GpuError};
+use crate::host::raster::look_at;
 use crate::host::{self, Host, HostError, Options};
+use crate::measure::quality::QualityError;
 use crate::names::did_you_mean;
 use crate::picture::PictureError;
-use crate::quality::QualityError;
-use crate::raster::look_at;
 use crate::report::ReportError;
 use crate::scene::load::LoadError;
 use crate::scene::{Camera, Scene, builtin, load};

@@ -2,11 +2,11 @@
 
 use super::set::SettingsArgs;
 use super::{CommandError, ViewArgs, say};
-use crate::goal;
+use crate::host::raster::node_camera;
+use crate::measure::goal;
+use crate::measure::quality;
+use crate::measure::stats::Stats;
 use crate::picture;
-use crate::quality;
-use crate::raster::node_camera;
-use crate::stats::Stats;
 use deferred_aa::{DebugView, Goal, Settings, Technique};
 use std::path::Path;
 

@@ -3,8 +3,8 @@
 use super::render::write_json;
 use super::{CameraArg, CommandError, RayArg, SceneArgs, TextureArg, ViewArgs, parse_camera, parse_size, say};
 use crate::host::Shot;
+use crate::measure::stats::Spread;
 use crate::names::did_you_mean;
-use crate::stats::Spread;
 use crate::tune::subject::{Figures, Subject, SubjectError, full};
 use crate::tune::tunable::Tunable;
 use crate::tune::{Point, Task, Tuner};

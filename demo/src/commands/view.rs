@@ -1,9 +1,9 @@
 //! `view`: the window.
 
 use super::{CameraArg, CommandError, RayArg, TextureArg, check_m, open_scene, parse_camera, parse_size, wrong};
-use crate::gpu;
 use crate::host::Options;
-use crate::raster::look_at;
+use crate::host::gpu;
+use crate::host::raster::look_at;
 use crate::scene::builtin;
 use crate::settings_file;
 use crate::view::{self, Kept, Source, Start};

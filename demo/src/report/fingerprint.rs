@@ -10,7 +10,7 @@ pub struct Fingerprint(Sha256);
 /// All shader code that has a part in an image. The library's own too: a result of other code is another result.
 const CODE: [&str; 50] = [
     crate::host::SHADING_WGSL,
-    include_str!("../raster.wgsl"),
+    include_str!("../host/raster.wgsl"),
     include_str!("../../../shaders/audit.wgsl"),
     include_str!("../../../shaders/bilateral.wgsl"),
     include_str!("../../../shaders/bounce.wgsl"),

@@ -3,11 +3,11 @@
 use super::ReportError;
 use super::fingerprint::Fingerprint;
 use super::folder::Folder;
-use crate::gpu::Gpu;
+use crate::host::gpu::Gpu;
+use crate::host::raster::node_camera;
 use crate::host::{Host, Options, Shot};
-use crate::raster::node_camera;
+use crate::measure::stats::Adapter;
 use crate::scene::{Camera, Scene};
-use crate::stats::Adapter;
 use deferred_aa::rays::RayTier;
 use deferred_aa::{Settings, TextureTier};
 use indicatif::{ProgressBar, ProgressStyle};

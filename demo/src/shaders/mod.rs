@@ -7,7 +7,7 @@ mod host;
 mod table;
 mod translate;
 
-use crate::gpu::{Gpu, GpuError};
+use crate::host::gpu::{Gpu, GpuError};
 use bindings::Slots;
 use deferred_aa::rays::RayTier;
 use deferred_aa::{

@@ -10,7 +10,7 @@ use std::process::Command;
 const LANGS: [Lang; 5] = [Lang::Hlsl, Lang::Msl, Lang::Spirv, Lang::Glsl, Lang::Wgsl];
 
 fn demo<'a>(lang: Lang, settings: &'a Settings, textures: TextureTier, rays: RayTier) -> Request<'a> {
-    let shading = Shading { source: SHADING_WGSL, file: "demo/src/shading.wgsl" };
+    let shading = Shading { source: SHADING_WGSL, file: "demo/src/host/shading.wgsl" };
     Request { lang, m: 3, settings, textures, rays, shading }
 }
 

@@ -3,7 +3,7 @@
 
 use super::app::{App, Tried};
 use super::worker::Reference;
-use crate::quality::IDENTICAL_DB;
+use crate::measure::quality::IDENTICAL_DB;
 use egui::{Color32, ComboBox, Grid, RichText, ScrollArea, Ui, Vec2b};
 use egui_plot::{Bar, BarChart, Line, Plot, PlotPoint, PlotPoints, Points};
 use std::collections::BTreeMap;

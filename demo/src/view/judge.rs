@@ -1,7 +1,7 @@
 //! Measures pictures against the reference on a thread of its own: FLIP takes longer than a frame.
 
+use crate::measure::quality::{self, Quality};
 use crate::picture::{Picture, display};
-use crate::quality::{self, Quality};
 use std::sync::mpsc::Sender;
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread::JoinHandle;

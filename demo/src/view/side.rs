@@ -3,8 +3,8 @@
 use super::judge::Verdict;
 use super::worker::{Rendered, View};
 use crate::host::{Sent, Shot};
-use crate::quality::Quality;
-use crate::stats::{Spread, times};
+use crate::measure::quality::Quality;
+use crate::measure::stats::{Spread, times};
 use deferred_aa::{Preset, Settings};
 use egui::{ColorImage, Context, TextureHandle, TextureOptions};
 use std::collections::BTreeMap;

@@ -5,16 +5,17 @@
 //! is missing, one frame at a time. So nothing queues up while a slider moves.
 
 use crate::commands::open_scene;
-use crate::gpu::{self, Gpu};
+use crate::host::gpu::{self, Gpu};
+use crate::host::raster::node_camera;
 use crate::host::{self, Host, HostError, Options, Sent, Shot};
+use crate::measure::reference::{self, MovedFrames};
+use crate::measure::stats::Stats;
+use crate::pass_kind;
 use crate::picture::Picture;
-use crate::raster::{crop, node_camera};
-use crate::report::plan;
 use crate::scene::{Camera, Scene, Sun};
-use crate::stats::Stats;
 use deferred_aa::rays::RayTier;
 use deferred_aa::{DebugView, DeferredAa, Pass, Settings, Technique, TextureTier};
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 use std::sync::mpsc::Sender;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
@@ -71,8 +72,8 @@ impl Reference {
         }
     }
 
-    /// Samples along one side of a pixel, and frames along one side that they take.
-    fn grid(self, m: u32) -> Option<(u32, u32)> {
+    /// Samples along one side of a pixel: a multiple of m.
+    fn side(self, m: u32) -> Option<u32> {
         let side = match self {
             Self::Off => return None,
             Self::Grid => m,
@@ -80,8 +81,7 @@ impl Reference {
             Self::Truth256 => 16,
             Self::Truth1024 => 32,
         };
-        let steps = side.div_ceil(m);
-        Some((steps * m, steps))
+        Some(side.next_multiple_of(m))
     }
 }
 
@@ -273,8 +273,7 @@ struct Slices {
     view: Arc<View>,
     settings: Settings,
     kind: Reference,
-    sum: Vec<[f64; 3]>,
-    done: u32,
+    frames: MovedFrames,
 }
 
 /// What a side has.
@@ -416,7 +415,7 @@ impl Renderer {
             return Ok(true);
         }
         let Some(base) = wanted.sides[0].or(wanted.sides[1]) else { return Ok(false) };
-        self.slice(view, plan::truth(base), wanted.reference)
+        self.slice(view, reference::truth(base), wanted.reference)
     }
 
     fn measured(&self, side: usize) -> u32 {
@@ -586,24 +585,22 @@ impl Renderer {
         Ok(())
     }
 
-    /// One more frame of the reference; whether there was one to render.
+    /// Renders one more frame of the reference; whether there was one to render.
     fn slice(&mut self, view: Arc<View>, settings: Settings, kind: Reference) -> Result<bool, String> {
-        let Some((side, steps)) = kind.grid(view.options.m) else { return Ok(false) };
+        let m = view.options.m;
+        let Some(side) = kind.side(m) else { return Ok(false) };
         if self.finished.as_ref().is_some_and(|(v, s, k)| *v == view && *s == settings && *k == kind) {
             return Ok(false);
         }
-        let fits = |s: &Slices| s.view == view && s.settings == settings && s.kind == kind;
         let (width, height) = (view.options.width, view.options.height);
+        let fits = |s: &Slices| s.view == view && s.settings == settings && s.kind == kind;
         if !self.slices.as_ref().is_some_and(fits) {
-            let sum = vec![[0.0; 3]; (width * height) as usize];
-            self.slices = Some(Slices { view: view.clone(), settings, kind, sum, done: 0 });
+            let frames = MovedFrames::new((width, height), side, m);
+            self.slices = Some(Slices { view: view.clone(), settings, kind, frames });
         }
         self.busy("computing the reference");
         let (Some(host), Some(slices)) = (&mut self.host, &mut self.slices) else { return Ok(false) };
-        let camera = node_camera(&view.camera, width, height);
-        let full = Vec2::new(width as f32, height as f32);
-        let place = Vec2::new((slices.done % steps) as f32, (slices.done / steps) as f32);
-        let moved = crop(camera, full, (place + 0.5 - steps as f32 * 0.5) / side as f32, full);
+        let moved = slices.frames.moved(node_camera(&view.camera, width, height));
         self.filled = None;
         if let Err(e) = host.frame_with(moved, settings).map_err(lost_or) {
             let e = e?;
@@ -612,16 +609,11 @@ impl Renderer {
             (self.say)(Event::Refused(0, settings, format!("the reference: {e}")));
             return Ok(true);
         }
-        for (sum, c) in slices.sum.iter_mut().zip(&host.picture().rgba) {
-            (0..3).for_each(|i| sum[i] += f64::from(c[i]));
-        }
-        slices.done += 1;
-        (self.say)(Event::Progress(slices.done, steps * steps));
-        if slices.done == steps * steps {
-            let frames = f64::from(slices.done);
-            let rgba = slices.sum.iter().map(|s| [0, 1, 2].map(|i| (s[i] / frames) as f32));
-            let rgba = rgba.map(|[r, g, b]| [r, g, b, 1.0]).collect();
-            let picture = Picture { width, height, rgba };
+        slices.frames.add(&host.picture());
+        let (done, all) = slices.frames.progress();
+        (self.say)(Event::Progress(done, all));
+        if done == all {
+            let picture = slices.frames.mean();
             self.finished = Some((view.clone(), settings, kind));
             self.slices = None;
             (self.say)(Event::Reference(view, settings, Arc::new(picture)));
@@ -646,7 +638,8 @@ impl Renderer {
 
 /// Whether a frame casts shadow rays, and others.
 pub fn casts(shot: &Shot) -> [bool; 2] {
-    ["trace", "bounce"].map(|name| shot.statistics.passes.iter().any(|pass| pass.name.starts_with(name)))
+    let any = |is: fn(&str) -> bool| shot.statistics.passes.iter().any(|pass| is(pass.name));
+    [any(pass_kind::traces_shadows), any(pass_kind::bounces)]
 }
 
 /// What settings would record if every effect were called for.
