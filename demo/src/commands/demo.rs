@@ -1,7 +1,9 @@
 //! `demo`: Single, Windowed and Full side by side, with what each costs.
 
-use super::render::write_json;
-use super::{CommandError, ViewArgs, parse_preset, say, set};
+use super::args::{ViewArgs, parse_preset};
+use super::error::CommandError;
+use super::output::{say, write_json};
+use super::set;
 use crate::host::Shot;
 use crate::measure::quality::{self, Quality};
 use crate::measure::stats::Stats;

@@ -130,9 +130,9 @@ impl Flicker {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::host::gpu::{self, Gpu};
     use crate::host::{self, Host, Options};
     use crate::scene::builtin::builtin;
-    use crate::{gpu, gpu::Gpu};
     use deferred_aa::rays::RayTier;
     use deferred_aa::{Settings, Technique, TextureTier};
 

@@ -4,7 +4,6 @@
 //! The window says what it wants, not what to do: the thread compares that with what it has, and does the most urgent thing that
 //! is missing, one frame at a time. So nothing queues up while a slider moves.
 
-use crate::commands::open_scene;
 use crate::host::gpu::{self, Gpu};
 use crate::host::raster::node_camera;
 use crate::host::{self, Host, HostError, Options, Sent, Shot};
@@ -12,6 +11,7 @@ use crate::measure::reference::{self, MovedFrames};
 use crate::measure::stats::Stats;
 use crate::pass_kind;
 use crate::picture::Picture;
+use crate::scene::open::open;
 use crate::scene::{Camera, Scene, Sun};
 use deferred_aa::rays::RayTier;
 use deferred_aa::{DebugView, DeferredAa, Pass, Settings, Technique, TextureTier};
@@ -20,7 +20,7 @@ use std::sync::mpsc::Sender;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 
-/// What is opened, by [`open_scene`].
+/// What is opened, by [`open`].
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Source {
     /// A built-in scene or a file.
@@ -427,7 +427,7 @@ impl Renderer {
             (renderer.say)(Event::NotOpened(opening, e));
             Ok(())
         };
-        let scene = match open_scene(&source.name, source.index) {
+        let scene = match open(&source.name, source.index) {
             Ok(scene) => scene,
             Err(e) => return no(self, e.to_string()),
         };
