@@ -1,5 +1,6 @@
 //! Measures pictures against the reference on a thread of its own: FLIP takes longer than a frame.
 
+use super::priority::step_back;
 use crate::measure::quality::{self, Quality};
 use crate::picture::{Picture, display};
 use std::sync::mpsc::Sender;
@@ -49,7 +50,7 @@ impl Judge {
         let shared = Arc::new((Mutex::new(Waiting::default()), Condvar::new()));
         let own = shared.clone();
         let thread = std::thread::Builder::new().name("judge".to_owned()).spawn(move || {
-            super::step_back();
+            step_back();
             while let Some(case) = next(&own) {
                 let _ = verdicts.send(judge(case));
                 wake();

@@ -1,10 +1,10 @@
 //! One side of the divider: its settings, what it shows, what it cost.
 
-use super::judge::Verdict;
-use super::worker::{Rendered, View};
 use crate::host::{Sent, Shot};
 use crate::measure::quality::Quality;
 use crate::measure::stats::{Spread, times};
+use crate::view::judge::Verdict;
+use crate::view::renderer::{Rendered, View, is_image};
 use deferred_aa::{Preset, Settings};
 use egui::{ColorImage, Context, TextureHandle, TextureOptions};
 use std::collections::BTreeMap;
@@ -92,7 +92,7 @@ impl Side {
     /// A new picture.
     pub fn show(&mut self, ctx: &Context, name: &str, rendered: Box<Rendered>) {
         let size = [rendered.picture.width as usize, rendered.picture.height as usize];
-        let is_image = super::worker::is_image(&rendered.settings);
+        let is_image = is_image(&rendered.settings);
         let rgb: Vec<u8> = if is_image {
             rendered.picture.to_srgb8().into_iter().flatten().collect()
         } else {

@@ -1,6 +1,6 @@
 //! What the viewer remembers from one start to the next.
 
-use super::worker::{Lights, Reference};
+use crate::view::renderer::{Lights, Reference};
 use deferred_aa::Settings;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
