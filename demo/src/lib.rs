@@ -5,6 +5,7 @@
 #![deny(missing_docs)]
 
 pub mod commands;
+mod files;
 pub mod host;
 pub mod measure;
 pub mod names;

@@ -1,6 +1,7 @@
 //! What commands print and write.
 
 use super::error::CommandError;
+use crate::files;
 use std::path::Path;
 
 /// A line to stdout. A reader that has gone away (`| head`) is not an error.
@@ -13,7 +14,5 @@ pub fn say(line: &str) {
 pub fn write_json(path: &Path, value: &impl serde::Serialize) -> Result<(), CommandError> {
     let file = |source| CommandError::File { path: path.to_owned(), source };
     let text = serde_json::to_string_pretty(value).map_err(|e| file(e.into()))?;
-    let part = path.with_extension("json.part");
-    std::fs::write(&part, text + "\n").map_err(file)?;
-    std::fs::rename(&part, path).map_err(file)
+    files::write(path, (text + "\n").as_bytes()).map_err(file)
 }

@@ -1,19 +1,19 @@
-//! Picture files, which appear whole or not at all: they are written under another name in the same folder and then renamed.
+//! Picture files, which appear whole or not at all.
 
 use super::error::PictureError;
 use super::size::{check_size, pixels};
+use crate::files;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use image::{ExtendedColorType, ImageEncoder, ImageError, ImageResult, RgbImage};
-use std::fs::{self, File};
-use std::io::{self, BufWriter};
+use image::{ExtendedColorType, ImageEncoder, ImageResult, RgbImage};
+use std::fs::File;
+use std::io::BufWriter;
 use std::path::Path;
-use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Writes an 8-bit image.
 pub fn write_png(image: &RgbImage, path: &Path) -> Result<(), PictureError> {
     let (width, height) = image.dimensions();
     check_size(width, height, pixels(width, height))?;
-    write_whole(path, |file| {
+    write_file(path, |file| {
         PngEncoder::new_with_quality(file, CompressionType::Default, FilterType::Adaptive).write_image(
             image,
             width,
@@ -23,29 +23,12 @@ pub fn write_png(image: &RgbImage, path: &Path) -> Result<(), PictureError> {
     })
 }
 
-/// Runs `encode` on a file of another name beside `path`, then renames it.
-pub fn write_whole(
+/// Writes a file of what `encode` gives.
+pub fn write_file(
     path: &Path,
     encode: impl FnOnce(&mut BufWriter<File>) -> ImageResult<()>,
 ) -> Result<(), PictureError> {
-    static COUNT: AtomicU32 = AtomicU32::new(0);
-    let fail = |source| PictureError::Write { path: path.to_owned(), source };
-    let Some(name) = path.file_name() else {
-        return Err(fail(ImageError::IoError(io::Error::new(io::ErrorKind::InvalidInput, "not the name of a file"))));
-    };
-    let (process, count) = (std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed));
-    let part = path.with_file_name(format!(".{}.{process}-{count}.part", name.to_string_lossy()));
-    let write = || {
-        let mut file = BufWriter::new(File::create(&part)?);
-        encode(&mut file)?;
-        file.into_inner().map_err(io::IntoInnerError::into_error)?;
-        Ok(fs::rename(&part, path)?)
-    };
-    write().map_err(|source| {
-        // What remains after an error is of no use, and there may be nothing to remove.
-        let _ = fs::remove_file(&part);
-        fail(source)
-    })
+    files::write_with(path, encode).map_err(|source| PictureError::Write { path: path.to_owned(), source })
 }
 
 #[cfg(test)]
@@ -53,6 +36,7 @@ mod tests {
     use super::*;
     use crate::picture::Picture;
     use crate::picture::made::picture;
+    use std::fs;
     use std::path::PathBuf;
 
     /// A folder of its own for one test, gone afterwards.

@@ -2,7 +2,7 @@
 
 use super::display::{display, is_finite, to_8bit};
 use super::error::PictureError;
-use super::files::{write_png, write_whole};
+use super::files::{write_file, write_png};
 use super::size::{check_size, image_of};
 use image::codecs::openexr::OpenExrEncoder;
 use image::{ExtendedColorType, ImageEncoder, RgbImage};
@@ -57,7 +57,7 @@ impl Picture {
     pub fn write_exr(&self, path: &Path) -> Result<(), PictureError> {
         self.check()?;
         let bytes: Vec<u8> = self.rgba.iter().flat_map(|p| &p[..3]).flat_map(|c| c.to_ne_bytes()).collect();
-        write_whole(path, |file| {
+        write_file(path, |file| {
             OpenExrEncoder::new(file).write_image(&bytes, self.width, self.height, ExtendedColorType::Rgb32F)
         })
     }

@@ -1,5 +1,6 @@
 //! What the viewer remembers from one start to the next.
 
+use crate::files;
 use crate::view::renderer::{Lights, Reference};
 use deferred_aa::Settings;
 use serde::{Deserialize, Serialize};
@@ -92,9 +93,7 @@ impl Kept {
         if let Some(folder) = path.parent() {
             std::fs::create_dir_all(folder)?;
         }
-        let part = path.with_extension("json.part");
-        std::fs::write(&part, serde_json::to_string_pretty(self).unwrap_or_default() + "\n")?;
-        std::fs::rename(&part, path)
+        files::write(path, (serde_json::to_string_pretty(self).unwrap_or_default() + "\n").as_bytes())
     }
 }
 
