@@ -11,48 +11,48 @@ use crate::shaders::ShadersError;
 use crate::view::ViewError;
 use std::path::PathBuf;
 
-/// A command failed.
+/// The reason why a command failed.
 #[derive(Debug, thiserror::Error)]
 pub enum CommandError {
-    /// No device.
+    /// There is no device.
     #[error(transparent)]
     Gpu(#[from] GpuError),
-    /// The scene.
+    /// The scene could not be opened.
     #[error(transparent)]
     Open(#[from] OpenError),
-    /// The frame.
+    /// A frame could not be rendered.
     #[error(transparent)]
     Host(#[from] HostError),
-    /// A picture.
+    /// A picture could not be made or written.
     #[error(transparent)]
     Picture(#[from] PictureError),
-    /// A measure.
+    /// A picture could not be measured.
     #[error(transparent)]
     Quality(#[from] QualityError),
-    /// The report.
+    /// The report could not go on.
     #[error(transparent)]
     Report(#[from] ReportError),
-    /// The window.
+    /// The viewer could not run.
     #[error(transparent)]
     View(#[from] ViewError),
-    /// The shaders.
+    /// The shaders could not be written.
     #[error(transparent)]
     Shaders(#[from] ShadersError),
-    /// A settings file.
+    /// A settings file could not be used.
     #[error(transparent)]
     Settings(#[from] SettingsFileError),
-    /// Something on the command line.
+    /// An argument on the command line is wrong.
     #[error("{argument}: {problem}")]
     Argument {
-        /// Which.
+        /// The argument.
         argument: String,
         /// What is wrong and what to do.
         problem: String,
     },
-    /// A file or folder.
+    /// A file or folder could not be used.
     #[error("{path}: {source}", path = .path.display())]
     File {
-        /// Which.
+        /// The file or folder.
         path: PathBuf,
         /// What the system said.
         source: std::io::Error,

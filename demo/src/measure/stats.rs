@@ -16,81 +16,81 @@ pub struct Stats {
     height: u32,
     /// Samples along one side of a window.
     pub m: u32,
-    /// As on the command line, peers included.
+    /// The technique as it is named on the command line, or the peer.
     pub technique: String,
-    /// That were recorded.
+    /// The settings that were recorded.
     pub settings: Settings,
     stall: u32,
     adapter: Adapter,
-    /// What was shaded.
+    /// The samples that were shaded.
     pub samples: Samples,
-    /// What was traced.
+    /// The rays that were traced.
     pub rays: Rays,
-    /// Where.
+    /// The tiles by class.
     #[serde(default)]
     pub tiles: TileCounts,
-    /// By pass, `gbuffer` and `total` included.
+    /// Times by pass, with `gbuffer` and `total`.
     pub time_ms: BTreeMap<String, Spread>,
-    /// Held.
+    /// The memory that is held.
     pub memory_bytes: Memory,
-    /// How near it comes.
+    /// How near the image comes to its references.
     pub quality: Against,
-    /// By name, in order.
+    /// Names of the passes, in order.
     pub passes: Vec<String>,
 }
 
-/// What it ran on.
+/// The adapter that it ran on.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Adapter {
-    /// The device's.
+    /// The device's name.
     pub name: String,
-    /// Name and version.
+    /// Name and version of the driver.
     pub driver: String,
-    /// Vulkan, Metal or DX12.
+    /// The backend: Vulkan, Metal or DX12.
     pub backend: String,
 }
 
-/// What was shaded.
+/// The samples that were shaded.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Samples {
-    /// First samples included.
+    /// Shaded samples, the first ones included.
     pub shaded: u64,
-    /// Over n · w · h.
+    /// Shaded samples over all n · w · h samples.
     pub ratio: f64,
-    /// Over w · h.
+    /// Shaded samples over w · h pixels.
     pub mean_k: f64,
     histogram_k: Vec<u32>,
 }
 
-/// Rays by kind.
+/// The rays that were traced, by kind.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Rays {
-    /// Towards lights.
+    /// Rays towards lights.
     pub shadow: u64,
-    /// Mirrored.
+    /// Reflected rays.
     pub reflection: u64,
-    /// Refracted.
+    /// Refracted rays.
     pub refraction: u64,
     primary: u64,
 }
 
-/// Bytes.
+/// The bytes that are held.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Memory {
     gbuffer: u64,
     scratch: u64,
-    /// The scene for rays included.
+    /// Bytes held for rays, including the scene for rays.
     pub rays: u64,
     peak: Option<u64>,
 }
 
 impl Memory {
-    /// Of the G-buffer.
+    /// Bytes of the G-buffer.
     pub fn gbuffer(&self) -> u64 {
         self.gbuffer
     }
 
-    /// Of all else.
+    /// Bytes of everything else.
     pub fn others(&self) -> u64 {
         self.scratch + self.rays
     }
@@ -99,25 +99,25 @@ impl Memory {
 /// How near an image comes to what it stands for.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Against {
-    /// All samples of the same grid.
+    /// The quality against all samples of the same grid.
     pub grid: Option<Quality>,
-    /// Many more samples.
+    /// The quality against the truth, which has many more samples.
     pub truth: Option<Quality>,
 }
 
-/// Milliseconds over the measured frames.
+/// The spread of values over the measured frames, mostly milliseconds.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Spread {
-    /// The fastest.
+    /// The least value.
     pub min: f64,
-    /// The middle one.
+    /// The middle value.
     pub median: f64,
-    /// 19 of 20 are faster.
+    /// The value that 19 of 20 do not exceed.
     pub p95: f64,
 }
 
 impl Spread {
-    /// Of at least one value.
+    /// The spread of at least one value.
     pub fn of(mut values: Vec<f64>) -> Option<Self> {
         values.sort_by(f64::total_cmp);
         let at = |q: f64| values.get(((values.len() as f64 * q).ceil() as usize).saturating_sub(1)).copied();
@@ -126,7 +126,7 @@ impl Spread {
 }
 
 impl Adapter {
-    /// Of a device.
+    /// The adapter of a device.
     pub fn of(gpu: &Gpu) -> Self {
         let info = gpu.adapter.get_info();
         Self {
@@ -138,7 +138,7 @@ impl Adapter {
 }
 
 impl Stats {
-    /// Of frames of the same settings, measured after each other. `None` without a frame.
+    /// The statistics of frames of the same settings, measured one after another. `None` without a frame.
     pub fn new(host: &Host, settings: Settings, shots: &[Shot], grid: Option<Quality>) -> Option<Self> {
         let last = shots.last()?;
         let memory = host.aa.memory();

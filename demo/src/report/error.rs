@@ -5,65 +5,65 @@ use crate::measure::quality::QualityError;
 use crate::picture::PictureError;
 use std::path::{Path, PathBuf};
 
-/// The report can't go on.
+/// The reason why a report can't go on.
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
-    /// The frame.
+    /// A frame could not be rendered.
     #[error(transparent)]
     Host(#[from] HostError),
-    /// A picture.
+    /// A picture could not be made or written.
     #[error(transparent)]
     Picture(#[from] PictureError),
-    /// A measure.
+    /// A picture could not be measured.
     #[error(transparent)]
     Quality(#[from] QualityError),
-    /// A file or folder.
+    /// A file or folder could not be used.
     #[error("{path}: {source}; {cure}", path = .path.display())]
     File {
-        /// Which.
+        /// The file or folder.
         path: PathBuf,
         /// What the system said.
         source: std::io::Error,
-        /// What to do.
+        /// What the user can do.
         cure: &'static str,
     },
     /// The disk is too small.
     #[error("{path}: {free} MB are free and about {needed} MB are needed; free some or name another folder with --out", path = .path.display())]
     Space {
-        /// Where.
+        /// The folder.
         path: PathBuf,
-        /// Megabytes.
+        /// Megabytes that are free.
         free: u64,
-        /// Megabytes.
+        /// Megabytes that are needed.
         needed: u64,
     },
     /// A reference holds a NaN or an infinity.
     #[error("the {what} is not finite{}: its shading gives NaN or infinity there; look at the lights and materials that meet in it", .pixel.map(|(x, y)| format!(" at pixel ({x}, {y})")).unwrap_or_default())]
     NotFinite {
-        /// Truth or grid reference.
+        /// Which reference it is: the truth or that of a grid.
         what: String,
-        /// From the top left corner, where it could be found.
+        /// The pixel, from the top left corner, if it could be found.
         pixel: Option<(u32, u32)>,
     },
     /// The user stopped it.
     #[error("interrupted")]
     Interrupted,
-    /// Part of it is there.
+    /// Only a part of the report is finished.
     #[error("{why}; {kept} of {planned} entries are kept in {}: go on with --resume", .folder.display())]
     Unfinished {
-        /// What happened.
+        /// Why it went no further.
         why: String,
-        /// Entries in the folder.
+        /// Entries that are finished, in the folder.
         kept: usize,
         /// Entries that were planned.
         planned: usize,
-        /// Where they are.
+        /// The folder with what is finished.
         folder: PathBuf,
     },
 }
 
 impl ReportError {
-    /// What is finished stays of use: the user stopped, or the device went away.
+    /// Whether what is finished stays of use: the user stopped, or the device went away.
     pub fn keeps_what_is_finished(&self) -> bool {
         match self {
             Self::Interrupted => true,

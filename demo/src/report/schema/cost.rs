@@ -3,66 +3,66 @@
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// All curves.
+/// All curves of the cost of a frame.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Cost {
-    /// What the curves have in common, but for what each varies.
+    /// The settings that all curves share, except for what each varies.
     pub base: Base,
-    /// Against how often the light loop runs.
+    /// The cost against the number of times that the light loop runs.
     pub stall: Vec<Point>,
     /// The least stall from which on Windowed takes less time than Full, G-buffer included.
     pub crossover_stall: Option<f64>,
-    /// Against pixels.
+    /// The cost against the number of pixels.
     pub resolution: Vec<Point>,
-    /// Against m.
+    /// The cost against m.
     pub m: Vec<Point>,
-    /// Against punctual lights, the sun left out.
+    /// The cost against the number of punctual lights, without the sun.
     pub lights: Vec<Point>,
-    /// Against triangles.
+    /// The cost against the number of triangles.
     pub triangles: Vec<Point>,
-    /// By curve and time, such as "resolution", "full_ms".
+    /// The fits by curve and time, such as "resolution" and "full_ms".
     pub fits: BTreeMap<String, BTreeMap<String, Fit>>,
 }
 
 /// Where the curves were measured: smaller than the report on a software driver.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Base {
-    /// Pixels.
+    /// Width in pixels.
     pub width: u32,
-    /// Pixels.
+    /// Height in pixels.
     pub height: u32,
     /// Samples along one side of a window.
     pub m: u32,
     /// How often the light loop runs.
     pub stall: u32,
-    /// Measured frames a point.
+    /// Measured frames of each point.
     pub frames: u32,
 }
 
 /// Median milliseconds at one place of a curve.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Point {
-    /// What is varied.
+    /// The value that is varied.
     pub x: f64,
-    /// Full, the node alone.
+    /// Time of Full's passes in the node.
     pub full_ms: Option<f64>,
-    /// Single, the node alone.
+    /// Time of Single's passes in the node.
     pub single_ms: Option<f64>,
-    /// Windowed, the node alone.
+    /// Time of Windowed's passes in the node.
     pub windowed_ms: Option<f64>,
-    /// Full with the G-buffer.
+    /// Time of Full with the G-buffer.
     pub full_total_ms: Option<f64>,
-    /// Single with the G-buffer.
+    /// Time of Single with the G-buffer.
     pub single_total_ms: Option<f64>,
-    /// Windowed with the G-buffer.
+    /// Time of Windowed with the G-buffer.
     pub windowed_total_ms: Option<f64>,
 }
 
-/// y ≈ c·x^exponent.
+/// A power law, y ≈ c·x^exponent.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Fit {
-    /// 1: as x; 0: not at all.
+    /// The exponent: 1 where y grows as x does, 0 where it does not grow.
     pub exponent: f64,
-    /// The share of the variance of log y that the fit explains; 1: all.
+    /// The share of the variance of log y that the fit explains, at most 1.
     pub r2: f64,
 }

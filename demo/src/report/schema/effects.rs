@@ -5,68 +5,68 @@ use crate::measure::stats::Spread;
 use deferred_aa::TileCounts;
 use serde::{Deserialize, Serialize};
 
-/// All of it.
+/// What the effects of a scene cost, and what they do not.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Effects {
     /// Where frames were measured.
     pub base: Base,
-    /// Each effect.
+    /// A row for each effect.
     pub rows: Vec<EffectRow>,
-    /// Each way to trace that the adapter has.
+    /// A row for each way to trace that the adapter has.
     pub tiers: Vec<TierRow>,
-    /// A made scene of which some tiles are mirrors, by Windowed.
+    /// Windowed on a made scene, some of whose tiles are mirrors.
     pub mirrors: Vec<MirrorRow>,
 }
 
-/// An effect on and off.
+/// An effect, switched on and off.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct EffectRow {
     /// "shadows", "reflections" or "refraction".
     pub effect: String,
-    /// The scene calls for it: a light casts, a material sends rays.
+    /// Whether the scene calls for it: a light casts, or a material sends rays.
     pub needed: bool,
-    /// With it.
+    /// Frames with the effect.
     pub on: Frames,
-    /// Without it.
+    /// Frames without it.
     pub off: Frames,
 }
 
-/// Frames that are alike, of Windowed.
+/// Frames of Windowed that are alike.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Frames {
-    /// With the G-buffer.
+    /// Their time with the G-buffer.
     pub total_ms: Option<Spread>,
-    /// Held for rays, the scene for rays included.
+    /// Bytes held for rays, including the scene for rays.
     pub ray_bytes: u64,
-    /// Of a frame.
+    /// Rays of one frame.
     pub rays: u64,
-    /// By name, in order.
+    /// Names of the passes, in order.
     pub passes: Vec<String>,
-    /// By class.
+    /// Tiles by class.
     pub tiles: TileCounts,
 }
 
-/// Who traces.
+/// A way to trace rays.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TierRow {
     /// "software" or "query".
     pub tier: String,
-    /// Rays towards lights from the first samples, a second.
+    /// Shadow rays a second, cast from the first samples.
     pub rays_per_second: Option<f64>,
-    /// Of the bottom levels together.
+    /// Triangles of the bottom levels together.
     pub triangles: u64,
-    /// A triangle's share of nodes and indices, vertices apart. The adapter's own structures are not known.
+    /// Bytes of nodes and indices over the number of triangles, without vertices. An adapter's own structures are not known.
     pub bytes_per_triangle: Option<f64>,
-    /// To build the bottom levels, on all cores.
+    /// Milliseconds to build the bottom levels, on all cores.
     pub build_ms: f64,
 }
 
-/// Some of 64 equal squares of the picture mirror.
+/// A picture of 64 equal squares, of which some are mirrors.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MirrorRow {
-    /// Squares.
+    /// Squares that are mirrors.
     pub mirrors: u32,
-    /// Their frames.
+    /// The frames of this picture.
     pub frames: Frames,
     /// Median over the rounds of the time over that without mirrors in the same round.
     pub relative: Option<f64>,

@@ -4,20 +4,20 @@ use crate::measure::stats::Spread;
 use deferred_aa::Execution;
 use serde::{Deserialize, Serialize};
 
-/// One way.
+/// One way to run the samples.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ExecutionRow {
-    /// Which.
+    /// The execution.
     pub execution: Execution,
     /// Samples along one side of a window.
     pub m: u32,
     /// How often the light loop ran.
     pub stall: u32,
-    /// Shaded, over all.
+    /// Shaded samples over all n · w · h samples.
     pub samples_ratio: f64,
-    /// All passes of the node.
+    /// Time of all passes of the node.
     pub node_ms: Option<Spread>,
-    /// The pass that shades the planned samples.
+    /// Time of the pass that shades the planned samples.
     pub shade_ms: Option<Spread>,
     /// Time of a sample beyond the first over that of a sample of Full.
     pub beta: Option<f64>,

@@ -16,82 +16,82 @@ use papers::Papers;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Of this layout of report.json.
+/// The version of this layout of report.json.
 pub const VERSION: u32 = 1;
 
 /// All of report.json.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Report {
-    /// [`VERSION`].
+    /// The version of the layout, [`VERSION`].
     pub version: u32,
-    /// As typed.
+    /// The command line as it was typed.
     pub command: String,
     /// The built-in's name or the file's path.
     pub scene: String,
-    /// Pixels.
+    /// Width of the picture in pixels.
     pub width: u32,
-    /// Pixels.
+    /// Height of the picture in pixels.
     pub height: u32,
     /// How often the light loop ran.
     pub stall: u32,
-    /// Fewer settings, samples and points.
+    /// Whether it was made with `--quick`: with fewer settings, samples and points.
     pub quick: bool,
-    /// Punctual lights, the sun included.
+    /// Number of punctual lights, the sun included.
     pub lights: u32,
-    /// Of all instances.
+    /// Triangles of all instances.
     pub triangles: u64,
-    /// What it ran on.
+    /// The adapter that it ran on.
     pub adapter: ReportAdapter,
-    /// What everything is held against.
+    /// The reference that everything is held against.
     pub truth: Option<TruthInfo>,
-    /// What was measured, in the order of the plan.
+    /// The entries that were measured, in the order of the plan.
     pub entries: Vec<Entry>,
     /// The bounds on mean-of-k and on exact coverage, by m.
     pub oracles: Vec<Oracle>,
     /// Where the entries' flicker was measured.
     pub temporal: Option<TemporalBase>,
-    /// Entries that no other one beats.
+    /// The entries that no other one beats.
     pub frontier: Frontier,
-    /// One image, run in each way that there is.
+    /// One image, with its samples run in each way that there is.
     pub executions: Vec<ExecutionRow>,
-    /// Cost against what makes frames costly.
+    /// The cost of a frame against what makes frames costly.
     pub cost: Option<Cost>,
-    /// What the scene does not pay for.
+    /// What the effects cost where the scene does not call for them.
     #[serde(default)]
     pub effects: Option<Effects>,
-    /// The tables of the papers, and the same rows here.
+    /// The tables of the papers, with the same rows measured here.
     #[serde(default)]
     pub papers: Option<Papers>,
-    /// What settings given as goals settled on.
+    /// What the search for each goal settled on.
     pub goals: Vec<GoalRow>,
-    /// Where the image is worst, worst first.
+    /// The places where the image is worst, worst first.
     pub crops: Vec<Crop>,
-    /// Planned, not finished: ids of entries, and names of other parts.
+    /// What was planned and is not finished: ids of entries, and names of other parts.
     pub unfinished: Vec<String>,
-    /// How long each part took, in seconds, this time.
+    /// The seconds that each part took this time.
     pub seconds: BTreeMap<String, f64>,
 }
 
-/// What it ran on.
+/// The adapter that a report ran on.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ReportAdapter {
-    /// Name, driver, backend.
+    /// Its name, driver and backend.
     #[serde(flatten)]
     pub adapter: Adapter,
-    /// No GPU: only ratios of times count.
+    /// Whether it is no GPU, so that only ratios of times count.
     pub software: bool,
 }
 
-/// The reference of many samples.
+/// The reference of many samples, the truth.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TruthInfo {
-    /// On a regular grid.
+    /// Samples of each pixel, on a regular grid.
     pub samples_per_pixel: u32,
-    /// It was there already.
+    /// Whether it was in the cache already.
     pub cached: bool,
-    /// That it took to render, when it was rendered.
+    /// Seconds that it took to render when it was rendered.
     pub seconds: f64,
-    /// In the folder.
+    /// The name of its file in the folder.
     pub file: String,
 }
 
@@ -100,20 +100,20 @@ pub struct TruthInfo {
 pub struct Entry {
     /// Unique, and the stem of its files: lower-case letters, digits and dashes.
     pub id: String,
-    /// For people.
+    /// Its name for people.
     pub label: String,
     /// Why it is here.
     pub role: Role,
-    /// The named settings that it has, if it has such.
+    /// The name of its settings, if they have one.
     pub preset: Option<String>,
-    /// As in stats.json.
+    /// The measurements, as stats.json has them.
     #[serde(flatten)]
     pub stats: Stats,
-    /// In the folder.
+    /// Its files in the folder.
     pub files: Files,
-    /// How far above the bounds it lies.
+    /// How far it lies above the bounds.
     pub oracle: Option<EntryOracle>,
-    /// How it flickers.
+    /// How much it flickers.
     pub temporal: Option<Temporal>,
 }
 
@@ -121,24 +121,24 @@ pub struct Entry {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Role {
-    /// One of ours.
+    /// It is a technique of the library.
     Technique,
-    /// To measure against.
+    /// It is a peer, to measure against.
     Peer,
-    /// What a goal settled on.
+    /// It is what a goal settled on.
     Goal,
 }
 
 /// An entry's files, by their names in the folder.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Files {
-    /// sRGB, 8 bits: what the measures see.
+    /// The picture in 8-bit sRGB, as the measures see it.
     pub png: String,
-    /// Linear.
+    /// The linear picture.
     pub exr: String,
-    /// k of each pixel.
+    /// The samples of each pixel.
     pub samples: Option<String>,
-    /// Against the truth.
+    /// The error against the truth.
     pub error: Option<String>,
 }
 
@@ -154,7 +154,7 @@ pub struct EntryOracle {
 /// Neyman's allocation with the error of an entry.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct MeanOfK {
-    /// Samples, over all.
+    /// Samples over all n · w · h samples.
     pub ratio: f64,
     /// The entry's samples over these.
     pub achieved_over_oracle: f64,
@@ -165,57 +165,57 @@ pub struct MeanOfK {
 pub struct Oracle {
     /// Samples along one side of a window.
     pub m: u32,
-    /// Of mean-of-k.
+    /// The bound on means of k samples.
     pub curve: Vec<Neyman>,
-    /// Of one sample a surface.
+    /// The bound on one sample a surface.
     pub exact_coverage: Option<Coverage>,
 }
 
 /// Where flicker was measured: smaller than the report, as each frame has a truth of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TemporalBase {
-    /// Pixels.
+    /// Width in pixels.
     pub width: u32,
-    /// Pixels.
+    /// Height in pixels.
     pub height: u32,
-    /// Of each movement.
+    /// Frames of each movement.
     pub frames: u32,
-    /// Of each frame's truth.
+    /// Samples a pixel of each frame's truth.
     pub samples_per_pixel: u32,
 }
 
-/// Standard deviation over time of (image − truth), on [0, 1].
+/// The standard deviation over time of (image − truth), on [0, 1].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Temporal {
-    /// A pan of 1/64 pixel a frame.
+    /// While the image moves by 1/64 pixel a frame.
     pub pan: Option<Deviation>,
-    /// A slow turn.
+    /// While the camera turns slowly.
     pub turn: Option<Deviation>,
 }
 
 /// Ids of the entries that no other one beats, by rising cost.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Frontier {
-    /// By median total milliseconds and error against the truth.
+    /// The frontier of median total milliseconds and error against the truth.
     pub time: Vec<String>,
-    /// By samples a pixel and error against the truth.
+    /// The frontier of samples a pixel and error against the truth.
     pub samples: Vec<String>,
 }
 
 /// What a goal settled on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct GoalRow {
-    /// As on the command line.
+    /// The goal as it is written on the command line.
     pub goal: String,
-    /// Asked for.
+    /// The value that was asked for.
     pub target: f64,
-    /// Of the target: "ms" or "rmse".
+    /// The unit of the target: "ms" or "rmse".
     pub unit: String,
-    /// Measured at the end.
+    /// The value that was measured at the end.
     pub achieved: f64,
-    /// Within the tolerance.
+    /// Whether that is within the tolerance.
     pub met: bool,
-    /// Until it stayed within the tolerance.
+    /// Frames until it stayed within the tolerance.
     pub frames: u32,
 }
 
@@ -226,7 +226,7 @@ pub struct Crop {
     pub x: u32,
     /// Topmost row.
     pub y: u32,
-    /// Of a side; less at the border of a small picture.
+    /// Pixels of a side; fewer at the border of a small picture.
     pub size: u32,
 }
 

@@ -5,36 +5,36 @@ use deferred_aa::Settings;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// All of it.
+/// The tables of all papers.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Papers {
-    /// In the order of the papers.
+    /// The tables, in the order of the papers.
     pub tables: Vec<Table<Row>>,
 }
 
 /// A table or figure of a paper.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Table<R> {
-    /// Unique: lower-case letters, digits and dashes.
+    /// A unique id: lower-case letters, digits and dashes.
     pub id: String,
-    /// Paper and place in it.
+    /// The paper, and the place in it.
     pub title: String,
     /// What the paper measured and what we do.
     pub note: String,
     /// The id of the row that samples and speeds are over.
     pub over: String,
-    /// Its rows have times.
+    /// Whether its rows have times.
     pub timed: bool,
     /// No row is supersampled: they are held against the one that the table is over, which comes first, and their times
     /// are apart by what they are for.
     #[serde(default)]
     pub sparse: bool,
-    /// In the paper's order.
+    /// The rows, in the paper's order.
     pub rows: Vec<R>,
 }
 
 impl<R> Table<R> {
-    /// The same table with each of its rows made into another.
+    /// Makes each row into another one.
     pub fn try_map<S, E>(self, row: impl FnMut(R) -> Result<S, E>) -> Result<Table<S>, E> {
         let Self { id, title, note, over, timed, sparse, rows } = self;
         Ok(Table { id, title, note, over, timed, sparse, rows: rows.into_iter().map(row).collect::<Result<_, _>>()? })
@@ -44,15 +44,15 @@ impl<R> Table<R> {
 /// A row before it is measured.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Planned {
-    /// Unique in its table.
+    /// An id that is unique in its table.
     pub id: String,
-    /// For people.
+    /// The name for people.
     pub label: String,
     /// The curve that it is a point of, where its table has curves.
     pub series: Option<String>,
     /// Samples along one side of a window: rows of other m have a G-buffer of their own.
     pub m: u32,
-    /// That are recorded.
+    /// The settings that are recorded.
     pub settings: Settings,
     /// What the paper prints, for each of its scenes; none for rows of our own.
     pub printed: Vec<Printed>,
@@ -61,15 +61,15 @@ pub struct Planned {
 /// A paper's own figures of a row on one of its scenes.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Printed {
-    /// As the paper calls it.
+    /// The paper's name of the scene.
     pub scene: String,
-    /// Against its truth.
+    /// PSNR against the paper's truth.
     pub psnr_db: Option<f64>,
-    /// Over those of the row that the table is over.
+    /// Samples over those of the row that the table is over.
     pub samples: Option<f64>,
     /// Frames a second.
     pub fps: Option<f64>,
-    /// Over the row that the table is over.
+    /// Frames a second over those of the row that the table is over.
     pub speed: Option<f64>,
     /// Samples over those of the first curve at the same PSNR.
     pub same_psnr: Option<f64>,
@@ -92,9 +92,9 @@ pub struct Row {
     /// PSNR against the row that the table is over; none where the table is not sparse.
     #[serde(default)]
     pub over_db: Option<f64>,
-    /// By pass, `gbuffer`, `node` and `total` included; empty where the table has no times.
+    /// Times by pass, with `gbuffer`, `node` and `total`; empty where the table has no times.
     pub time_ms: BTreeMap<String, Spread>,
-    /// Of the node's passes by what they are for: [`PARTS`](crate::pass_kind::PARTS); empty where the table is not sparse.
+    /// Times of the node's passes by what they are for, [`PARTS`](crate::pass_kind::PARTS); empty where the table is not sparse.
     #[serde(default)]
     pub parts_ms: BTreeMap<String, Spread>,
     /// Median over the rounds of the total of the row that the table is over, in the same round, over this row's.

@@ -12,11 +12,11 @@ use std::sync::Arc;
 /// A picture, and what it cost.
 #[derive(Debug, Clone)]
 pub struct Rendered {
-    /// Of what.
+    /// The view that it shows.
     pub view: Arc<View>,
-    /// By what.
+    /// The settings that it was rendered with.
     pub settings: Settings,
-    /// The target.
+    /// The picture in the target.
     pub picture: Arc<Picture>,
     /// What is compared: the picture, or where a debug view is shown, the picture that it is of.
     pub shot: Shot,
@@ -28,27 +28,27 @@ pub struct Rendered {
     pub passes: [Vec<Pass>; 2],
 }
 
-/// What the thread says.
+/// What the renderer says.
 #[derive(Debug)]
 #[expect(clippy::large_enum_variant, reason = "there are a few a second")]
 pub enum Event {
-    /// A scene is there. The old one is gone.
+    /// A scene is open, and the one before it is gone.
     Opened(Box<Opened>),
-    /// It could not be opened: the old one stays.
+    /// A scene could not be opened, and the one before it stays.
     NotOpened(u64, String),
-    /// A side's picture.
+    /// The picture of a side is there.
     Picture(usize, Box<Rendered>),
-    /// A further frame of the same, measured.
+    /// One more frame of a side was measured.
     Measured(usize, Arc<View>, Settings, Shot),
     /// The rays that each sample of a side's picture sent, as [`Host::sent`](crate::host::Host::sent) has them.
     Sent(usize, Arc<View>, Settings, Arc<Vec<Sent>>),
     /// A side's settings were refused; its last picture stays.
     Refused(usize, Settings, String),
-    /// Parts of the reference that are done, of all.
+    /// Frames of the reference that are done, of all.
     Progress(u32, u32),
-    /// The reference.
+    /// The reference is there.
     Reference(Arc<View>, Settings, Arc<Picture>),
-    /// What is under way, "" if nothing.
+    /// The renderer is at something else; the text is empty if it is at nothing.
     Busy(&'static str),
     /// The device was lost and is there again.
     Recovered(String),
@@ -61,43 +61,43 @@ pub enum Event {
 /// What the window must know of a scene.
 #[derive(Debug)]
 pub struct Opened {
-    /// Which one this is.
+    /// The number of this opening.
     pub opening: u64,
-    /// As given.
+    /// The source, as it was given.
     pub source: Source,
     /// Its views, the default one first.
     pub cameras: Vec<Camera>,
-    /// Half the diagonal of its box, metres.
+    /// Half the diagonal of its bounding box, in metres.
     pub radius: f32,
-    /// Lights but the sun.
+    /// Number of lights without the sun.
     pub lights: u32,
     /// Its sun.
     pub sun: Option<Sun>,
-    /// What was ignored, replaced or repaired.
+    /// What was ignored, replaced or repaired in the file.
     pub notices: Vec<String>,
-    /// Who renders.
+    /// The adapter that renders.
     pub adapter: Adapter,
-    /// On what.
+    /// The device that renders.
     #[cfg(test)]
     pub device: wgpu::Device,
 }
 
-/// Who renders, and what it can't.
+/// The adapter that renders, and what it lacks.
 #[derive(Debug, Clone, Default)]
 pub struct Adapter {
-    /// As the driver says.
+    /// Its name, as the driver says.
     pub name: String,
-    /// What the binding tier lacks; nothing if it is there.
+    /// What the binding tier lacks; `None` if it is available.
     pub no_bindings: Option<String>,
-    /// What the ray query lacks.
+    /// What ray queries lack; `None` if they are available.
     pub no_ray_query: Option<String>,
-    /// Without them no goal in milliseconds.
+    /// Whether it has timestamps, without which there are no goals in milliseconds.
     pub has_timestamps: bool,
     /// The longest side of a G-buffer.
     pub longest: u32,
 }
 
-/// Whether a frame casts shadow rays, and others.
+/// Whether a frame casts rays towards lights, and whether it casts others.
 pub fn casts(shot: &Shot) -> [bool; 2] {
     let any = |is: fn(&str) -> bool| shot.statistics.passes.iter().any(|pass| is(pass.name));
     [any(pass_kind::traces_shadows), any(pass_kind::bounces)]

@@ -12,16 +12,16 @@ use crate::scene::open::open;
 use deferred_aa::{DebugView, Settings, Technique};
 use std::sync::{Arc, PoisonError};
 
-/// What a side has.
+/// The state of a side.
 struct Side {
     view: Arc<View>,
     settings: Settings,
     measured: u32,
-    /// There are rays, and which sample sends them is not said yet.
+    /// Whether its frame casts rays and it has not been said yet which sample sends them.
     owes_rays: bool,
 }
 
-/// The thread's own state.
+/// The renderer's state.
 pub struct Renderer {
     shared: Arc<Shared>,
     say: Box<dyn Fn(Event)>,
@@ -43,7 +43,7 @@ pub struct Renderer {
 const MOST_RECOVERIES: u32 = 3;
 
 impl Renderer {
-    /// Before anything is opened.
+    /// The renderer before anything is opened.
     pub fn new(shared: Arc<Shared>, options: Options, adapter: Option<String>, say: Box<dyn Fn(Event)>) -> Self {
         Self {
             shared,
@@ -94,7 +94,7 @@ impl Renderer {
         }
     }
 
-    /// The most urgent thing; whether there was one. An error is a lost device.
+    /// Does the most urgent thing; whether there was one. An error is a lost device.
     fn step(&mut self, wanted: &Wanted) -> Result<bool, String> {
         if wanted.scene.1 != self.tried {
             self.tried = wanted.scene.1;
@@ -259,7 +259,7 @@ impl Renderer {
         Ok(())
     }
 
-    /// The same frame once more, that shows its rays and so writes them down.
+    /// Renders the same frame once more with its rays shown, and so written down.
     fn count_rays(&mut self, side: usize) -> Result<(), String> {
         let (Some(host), Some(own)) = (&mut self.stage.host, &mut self.sides[side]) else { return Ok(()) };
         own.owes_rays = false;
@@ -303,7 +303,7 @@ impl Renderer {
         Ok(true)
     }
 
-    /// A device in place of one that is gone.
+    /// Builds a device in place of one that is lost.
     fn recover(&mut self, lost: &str) -> Result<(), String> {
         self.recoveries += 1;
         if self.recoveries > MOST_RECOVERIES {
@@ -318,13 +318,13 @@ impl Renderer {
     }
 }
 
-/// What settings would record if every effect were called for.
+/// The settings that would be recorded if the scene called for every effect.
 fn every_effect(settings: Settings) -> Settings {
     use deferred_aa::Effect::On;
     Settings { shadows: On, reflections: On, refraction: On, ..settings }
 }
 
-/// A lost device ends the step; anything else is a message.
+/// The message of an error; a lost device is an error of the step.
 fn lost_or(e: HostError) -> Result<String, String> {
     if e.is_loss() { Err(e.to_string()) } else { Ok(e.to_string()) }
 }

@@ -5,33 +5,33 @@ use crate::scene::{Camera, Sun};
 use deferred_aa::{DebugView, Settings};
 use glam::Vec3;
 
-/// What is opened, by [`open`](crate::scene::open::open).
+/// A scene as [`open`](crate::scene::open::open) takes it.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Source {
-    /// A built-in scene or a file.
+    /// The name of a built-in scene, or the path of a file.
     pub name: String,
-    /// Of a file with several.
+    /// The scene in a file that has several.
     pub index: Option<usize>,
 }
 
 /// The lights, as the user has them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lights {
-    /// How often the light loop runs, from 1.
+    /// How often the light loop runs, at least once.
     pub stall: u32,
-    /// The scene's first lights that shine; all if more than there are.
+    /// How many of the scene's lights shine, the first ones; all if it has no more.
     pub count: u32,
-    /// In place of the scene's own.
+    /// The sun in place of the scene's own.
     pub sun: Option<Sun>,
 }
 
-/// What the reference is.
+/// The kind of reference.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Reference {
-    /// None, and no quality.
+    /// There is no reference, and no quality is measured.
     Off,
-    /// Full supersampling at this m: what the technique left out.
+    /// Full supersampling at this m, which shows what the technique left out.
     #[default]
     Grid,
     /// 8 × 8 samples a pixel.
@@ -43,10 +43,10 @@ pub enum Reference {
 }
 
 impl Reference {
-    /// All of them.
+    /// All kinds.
     pub const ALL: [Self; 5] = [Self::Off, Self::Grid, Self::Truth64, Self::Truth256, Self::Truth1024];
 
-    /// On the screen.
+    /// The name on the screen.
     pub fn name(self) -> &'static str {
         match self {
             Self::Off => "off",
@@ -57,7 +57,7 @@ impl Reference {
         }
     }
 
-    /// Samples along one side of a pixel: a multiple of m.
+    /// Samples along one side of a pixel, a multiple of m; `None` without a reference.
     pub fn side(self, m: u32) -> Option<u32> {
         let side = match self {
             Self::Off => return None,
@@ -70,16 +70,16 @@ impl Reference {
     }
 }
 
-/// All that a picture depends on but its settings.
+/// All that a picture depends on except for its settings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct View {
-    /// Counts up with every scene that is opened.
+    /// The number of the scene, which counts up with every one that is opened.
     pub opening: u64,
-    /// What is fixed for a node.
+    /// The options that are fixed for a node.
     pub options: Options,
-    /// What shines.
+    /// The lights.
     pub lights: Lights,
-    /// From where.
+    /// The camera.
     pub camera: Camera,
 }
 
@@ -88,17 +88,17 @@ pub struct View {
 pub struct Wanted {
     /// The scene, and how many were opened.
     pub scene: (Source, u64),
-    /// What to look at, once the scene is there.
+    /// What to look at, once the scene is open.
     pub view: Option<View>,
-    /// What is on either side of the divider.
+    /// The settings on either side of the divider.
     pub sides: [Option<Settings>; 2],
-    /// Frames to measure of each.
+    /// How many frames of each side to measure.
     pub frames: u32,
-    /// What they are held against.
+    /// The reference that they are held against.
     pub reference: Reference,
-    /// Nothing is rendered while the window is not seen.
+    /// Whether to render nothing, while the window is not seen.
     pub paused: bool,
-    /// The thread ends.
+    /// Whether the thread is to end.
     pub quit: bool,
 }
 
@@ -114,7 +114,7 @@ pub fn to_sun(azimuth: f32, elevation: f32) -> Vec3 {
     Vec3::new(a.cos() * e.cos(), e.sin(), a.sin() * e.cos())
 }
 
-/// What a debug view shows is no image to judge.
+/// Whether settings show the image and not a debug view, which is nothing to judge.
 pub fn is_image(settings: &Settings) -> bool {
     settings.view == DebugView::Image
 }

@@ -6,31 +6,31 @@ use deferred_aa::Settings;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
-/// Of the files that are written. Another one is not read: the viewer starts afresh.
+/// The version of the files that are written. Files of another version are not read, and the viewer starts afresh.
 const VERSION: u32 = 1;
 
-/// All of it.
+/// All that is remembered.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Kept {
     version: u32,
-    /// Of the window, in points.
+    /// Size of the window, in points.
     pub window: [f32; 2],
-    /// Of text and all else; 1 is the system's.
+    /// Factor of the size of text and everything else; 1 is the size of the system.
     pub zoom: f32,
-    /// Dark, light, or as the system has it.
+    /// Whether the theme is dark; if not given, it is that of the system.
     pub dark: Option<bool>,
-    /// Pixels of the picture; as large as its place in the window if not given.
+    /// Pixels of the picture; if not given, it is as large as its place in the window.
     pub size: Option<[u32; 2]>,
     /// Samples along one side of a window.
     pub m: u32,
-    /// On either side.
+    /// The settings of the sides.
     pub settings: [Settings; 2],
-    /// Both sides are shown.
+    /// Whether both sides are shown.
     pub split: bool,
-    /// Where the divider is, of the picture's width.
+    /// The place of the divider, as a share of the picture's width.
     pub divider: f32,
-    /// What pictures are held against.
+    /// The reference that pictures are held against.
     pub reference: Reference,
     /// How often the light loop runs.
     pub stall: u32,
@@ -56,7 +56,7 @@ impl Default for Kept {
 }
 
 impl Kept {
-    /// Of the lights.
+    /// The lights as they are remembered.
     pub fn lights(&self) -> Lights {
         Lights { stall: self.stall, count: u32::MAX, sun: None }
     }
@@ -88,7 +88,7 @@ impl Kept {
         if sound { Ok(self) } else { Err("holds a value that is out of range".to_owned()) }
     }
 
-    /// Written whole or not at all.
+    /// Writes the file, whole or not at all.
     pub fn save(&self, path: &Path) -> std::io::Result<()> {
         if let Some(folder) = path.parent() {
             std::fs::create_dir_all(folder)?;
@@ -97,7 +97,7 @@ impl Kept {
     }
 }
 
-/// In the user's folder for settings; `None` where the system has none.
+/// The path of the file in the user's folder for settings; `None` where the system has none.
 pub fn path() -> Option<PathBuf> {
     let given = |name: &str| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
     let folder = if cfg!(windows) {

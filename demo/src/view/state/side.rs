@@ -11,43 +11,43 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// Changes of one setting within this are one step of undo.
+/// Changes of one setting within this time are one step of undo.
 const ONE_STEP: Duration = Duration::from_millis(700);
 
-/// Most frames whose times are kept.
+/// The most frames whose times are kept.
 const MOST_SHOTS: usize = 64;
 
-/// Of the two.
+/// One side of the divider.
 #[derive(Default)]
 pub struct Side {
-    /// As they stand on the controls.
+    /// The settings on the controls.
     pub settings: Settings,
     past: Vec<Settings>,
     future: Vec<Settings>,
     last_change: Option<(String, Instant)>,
     /// The last picture.
     pub rendered: Option<Box<Rendered>>,
-    /// What each of its samples sent, once that is counted.
+    /// The rays that each of its samples sent, once they are counted.
     pub sent: Option<Arc<Vec<Sent>>>,
-    /// Of the same picture, each with its times.
+    /// The frames of this picture that were measured.
     pub shots: Vec<Shot>,
-    /// Against the present reference.
+    /// The quality against the present reference.
     pub quality: Option<Quality>,
     /// Why the settings on the controls are not those of the picture.
     pub refused: Option<String>,
-    /// The picture.
+    /// The picture as a texture.
     pub texture: Option<TextureHandle>,
-    /// Where it is wrong.
+    /// Where the picture is wrong, as a texture.
     pub error: Option<TextureHandle>,
 }
 
 impl Side {
-    /// With these settings.
+    /// A side with these settings.
     pub fn new(settings: Settings) -> Self {
         Self { settings, ..Self::default() }
     }
 
-    /// Changes them; `path` is of the control, so that a slider's way is one step of undo.
+    /// Changes the settings. `path` names the control, so that one drag of a slider is one step of undo.
     pub fn set(&mut self, settings: Settings, path: &str) {
         if settings == self.settings {
             return;
@@ -63,7 +63,7 @@ impl Side {
         self.refused = None;
     }
 
-    /// One step back; whether there was one.
+    /// Takes back one step; whether there was one.
     pub fn undo(&mut self) -> bool {
         let Some(before) = self.past.pop() else { return false };
         self.future.push(std::mem::replace(&mut self.settings, before));
@@ -71,7 +71,7 @@ impl Side {
         true
     }
 
-    /// And forth again.
+    /// Does again one step that was taken back; whether there was one.
     pub fn redo(&mut self) -> bool {
         let Some(after) = self.future.pop() else { return false };
         self.past.push(std::mem::replace(&mut self.settings, after));
@@ -79,17 +79,17 @@ impl Side {
         true
     }
 
-    /// Steps that can be taken back, and forth.
+    /// How many steps can be taken back, and done again.
     pub fn steps(&self) -> (usize, usize) {
         (self.past.len(), self.future.len())
     }
 
-    /// What a setting is reset to.
+    /// The settings that a control is reset to.
     pub fn defaults() -> Settings {
         Preset::default().settings()
     }
 
-    /// A new picture.
+    /// Shows a new picture.
     pub fn show(&mut self, ctx: &Context, name: &str, rendered: Box<Rendered>) {
         let size = [rendered.picture.width as usize, rendered.picture.height as usize];
         let is_image = is_image(&rendered.settings);
@@ -106,14 +106,14 @@ impl Side {
         self.rendered = Some(rendered);
     }
 
-    /// One more frame of it.
+    /// Adds one more frame of the picture that is shown.
     pub fn measured(&mut self, view: &Arc<View>, settings: &Settings, shot: Shot) {
         if self.is_of(view, settings) && self.shots.len() < MOST_SHOTS {
             self.shots.push(shot);
         }
     }
 
-    /// The rays of its samples.
+    /// Adds the rays of its samples.
     pub fn counted(&mut self, view: &Arc<View>, settings: &Settings, sent: Arc<Vec<Sent>>) {
         if self.is_of(view, settings) {
             self.sent = Some(sent);
@@ -124,7 +124,7 @@ impl Side {
         self.rendered.as_deref().is_some_and(|r| Arc::ptr_eq(&r.view, view) && r.settings == *settings)
     }
 
-    /// Takes a verdict that is of its present picture; whether it is.
+    /// Takes a verdict, if it is of the present picture; whether it is.
     pub fn judged(&mut self, ctx: &Context, name: &str, verdict: &Verdict) -> bool {
         let own = self.rendered.as_deref().is_some_and(|r| Arc::ptr_eq(&r.picture, &verdict.case.picture));
         if !own {
@@ -142,7 +142,7 @@ impl Side {
         times(&self.shots[usize::from(self.shots.len() > 2)..])
     }
 
-    /// Of the node's passes, the median.
+    /// Median milliseconds of the node's passes together.
     pub fn node_ms(&self) -> Option<f64> {
         self.times().get("node").map(|spread| spread.median)
     }
