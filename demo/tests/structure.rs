@@ -1,4 +1,7 @@
 //! The sources have no import circles, and no folder has more files than can be taken in at a glance.
+//!
+//! A file imports another where it names something that is defined there, in a `use` line or by a path. What a folder passes on with
+//! `pub use` counts as of the file that defines it. Calls of methods are not followed.
 
 use proc_macro2::{TokenStream, TokenTree};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};

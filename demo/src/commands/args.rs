@@ -95,7 +95,7 @@ pub struct CameraArg {
     pub fov_y: f32,
 }
 
-/// What a view needs, before anything of its size is made.
+/// The scene, device and camera of a view, before anything of its size is made.
 pub struct Opened {
     pub scene: Scene,
     pub gpu: Gpu,
@@ -103,7 +103,7 @@ pub struct Opened {
 }
 
 impl ViewArgs {
-    /// The host with its scene loaded, and the camera. Notices go to stderr.
+    /// Opens the scene in a host, with the camera. Notices go to stderr.
     pub fn open(&self) -> Result<(Host, Camera), CommandError> {
         let m = check_m(self.m)?;
         let args = &self.scene;
@@ -126,7 +126,7 @@ impl ViewArgs {
 }
 
 impl SceneArgs {
-    /// The scene, a device for nodes of this m, and the camera. The folder for results is there.
+    /// Opens the scene, a device for nodes of this m, and the camera, and makes the folder for results.
     pub fn open(&self, m: u32) -> Result<Opened, CommandError> {
         if !(1..=16).contains(&self.anisotropy) {
             return Err(wrong("--anisotropy", format!("{} is not in 1 to 16", self.anisotropy)));
@@ -145,7 +145,7 @@ impl SceneArgs {
     }
 }
 
-/// Notices go to stderr.
+/// Prints the notices about the scene to stderr.
 fn note(host: &Host) {
     for notice in host.scene.notices.iter().chain(&host.uploaded.notices) {
         eprintln!("note: {notice}");

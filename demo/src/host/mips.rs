@@ -3,9 +3,9 @@
 /// One level: 4 bytes a texel, rows packed.
 #[derive(Debug, Clone)]
 pub struct Level {
-    /// In texels.
+    /// Width in texels.
     pub width: u32,
-    /// In texels.
+    /// Height in texels.
     pub height: u32,
     /// RGBA.
     pub rgba: Vec<u8>,

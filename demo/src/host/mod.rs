@@ -21,21 +21,21 @@ use raster::{Raster, node_camera};
 use rays::Rays;
 use upload::{GpuScene, UploadError};
 
-/// Of the target: linear HDR, as most engines have it.
+/// The format of the target: linear HDR, as most engines have it.
 pub const TARGET_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
-/// Most textures of a scene on the binding tier.
+/// The most textures of a scene on the binding tier.
 pub const TEXTURE_CAPACITY: u32 = 1024;
 
 /// material.wgsl and shading.wgsl: the host's WGSL.
 pub const SHADING_WGSL: &str = concat!(include_str!("material.wgsl"), "\n", include_str!("shading.wgsl"));
 
-/// What is fixed for a run.
+/// The options that are fixed for a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
-    /// Pixels.
+    /// Width of the picture in pixels.
     pub width: u32,
-    /// Pixels.
+    /// Height of the picture in pixels.
     pub height: u32,
     /// Samples along one side of a window.
     pub m: u32,
@@ -43,9 +43,9 @@ pub struct Options {
     pub textures: TextureTier,
     /// How often the light loop runs.
     pub stall: u32,
-    /// Of texture reads, 1 to 16.
+    /// Anisotropy of texture reads, 1 to 16.
     pub anisotropy: u16,
-    /// Who traces rays.
+    /// The tier that traces rays.
     pub rays: RayTier,
 }
 
@@ -56,19 +56,19 @@ pub struct Host {
     pub gpu: Gpu,
     /// The node.
     pub aa: DeferredAa,
-    /// As loaded.
+    /// The scene as it was loaded.
     pub scene: Scene,
-    /// On the GPU.
+    /// The scene on the GPU.
     pub uploaded: GpuScene,
-    /// What is fixed.
+    /// The options that it was built with.
     pub options: Options,
     /// Materials that reflect or refract.
     bouncing: Vec<u32>,
     /// Materials with a texture.
     textured: Vec<u32>,
-    /// Of objects, for `Settings::selective.focused`.
+    /// Importance of objects, for `Settings::selective.focused`.
     pub importance: Vec<ObjectImportance>,
-    /// From the first frame that traces.
+    /// The scene for rays, there from the first frame that traces.
     pub rays: Option<Rays>,
     raster: Raster,
     host_bind_group: wgpu::BindGroup,
@@ -81,7 +81,7 @@ pub struct Host {
 /// A rendered frame.
 #[derive(Debug, Clone)]
 pub struct Shot {
-    /// What the node counted.
+    /// The statistics of the node.
     pub statistics: Statistics,
     /// The G-buffer pass, in milliseconds.
     pub gbuffer_ms: Option<f64>,
@@ -140,7 +140,7 @@ pub(crate) struct Lighting {
     pub(crate) sun_casts: u32,
 }
 
-/// What the demo's nodes are built from.
+/// The descriptor of the demo's nodes.
 pub fn descriptor(m: u32, textures: TextureTier, rays: RayTier) -> Descriptor<'static> {
     Descriptor {
         m,
@@ -166,7 +166,7 @@ fn host_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     })
 }
 
-/// With `TEXTURE_BINDING`, so that a pass of the host's own can read it.
+/// Makes a target with `TEXTURE_BINDING`, so that a pass of the host's own can read it.
 fn target(device: &wgpu::Device, width: u32, height: u32) -> (wgpu::Texture, wgpu::TextureView) {
     let texture = device.create_texture(&wgpu::TextureDescriptor {
         label: Some("target"),
@@ -461,7 +461,7 @@ impl Host {
         pixels.map(|(x, y)| plan[passed.plan_index(x, y)]).collect()
     }
 
-    /// What each sample of the last frame sent, which showed [`DebugView::Rays`], pixel by pixel from the top, by rank. None where nothing
+    /// The rays that each sample of the last frame sent, which showed [`DebugView::Rays`]: pixel by pixel from the top, by rank. Empty where
     /// was traced. Waits.
     pub fn sent(&self, traced: [bool; 2]) -> Vec<Sent> {
         let Some(passed) = self.aa.intermediates().filter(|_| traced != [false; 2]) else { return Vec::new() };
@@ -504,11 +504,11 @@ impl Host {
 /// Rays that a sample sent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Sent {
-    /// Towards lights.
+    /// Rays towards lights.
     pub shadow: u8,
-    /// As a mirror.
+    /// Rays that were reflected.
     pub mirrored: u8,
-    /// Through it.
+    /// Rays that were refracted.
     pub refracted: u8,
 }
 

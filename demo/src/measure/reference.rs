@@ -65,3 +65,37 @@ impl MovedFrames {
         Picture { width: self.width, height: self.height, rgba: rgba.collect() }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::host::raster::node_camera;
+    use crate::scene::builtin::builtin;
+    use glam::Vec3;
+
+    #[test]
+    fn the_samples_of_moved_frames_lie_on_one_grid() {
+        let (width, height) = (64, 32);
+        let still = node_camera(&builtin("cornell").unwrap().default_camera(), width, height);
+        let mut frames = MovedFrames::new((width, height), 8, 2);
+        let pixels = |camera: Camera| {
+            let clip = camera.clip_from_view.project_point3(Vec3::NEG_Z);
+            Vec2::new(clip.x * width as f32, -clip.y * height as f32) * 0.5
+        };
+        let mut moves = Vec::new();
+        let (_, all) = frames.progress();
+        for value in 0..all {
+            moves.push(pixels(frames.moved(still)) - pixels(still));
+            let rgba = vec![[value as f32, 1.0, 0.0, 0.0]; (width * height) as usize];
+            frames.add(&Picture { width, height, rgba });
+        }
+        assert_eq!(frames.progress(), (16, 16));
+        assert_eq!(frames.mean().rgba[0], [7.5, 1.0, 0.0, 1.0]);
+        // The samples of a window of 2 × 2 are half a pixel apart: four moves along a side, an eighth of a pixel apart, fill that.
+        let expected = [3.0, 1.0, -1.0, -3.0].map(|sixteenths| sixteenths / 16.0);
+        for (i, found) in moves.iter().enumerate() {
+            let expected = Vec2::new(expected[i % 4], expected[i / 4]);
+            assert!((*found - expected).length() < 1e-3, "{i}: {found} and not {expected}");
+        }
+    }
+}

@@ -15,13 +15,13 @@ use std::path::PathBuf;
 /// Frames of each side that are measured.
 const FRAMES: u32 = 5;
 
-/// Of an open list, in points: all debug views at once.
+/// Height of an open list, in points: all debug views at once.
 const TALLEST: f32 = 600.0;
 
 /// What the viewer starts with.
 #[derive(Debug, Clone)]
 pub struct Start {
-    /// What is opened.
+    /// The scene to open.
     pub source: Source,
     /// The camera, in place of the scene's own.
     pub camera: Option<Camera>,
@@ -29,9 +29,9 @@ pub struct Start {
     pub options: Options,
     /// Part of the adapter's name.
     pub adapter: Option<String>,
-    /// What was remembered.
+    /// The settings and places that were remembered.
     pub kept: Kept,
-    /// Where it is remembered.
+    /// The file where they are remembered.
     pub kept_at: Option<PathBuf>,
     /// The picture is as large as its place in the window.
     pub fill: bool,
@@ -51,7 +51,7 @@ pub struct App {
     start_camera: Option<Camera>,
     /// The scene, once it is there.
     pub opened: Option<Opened>,
-    /// From where the scene is seen.
+    /// The camera that the scene is seen from.
     pub camera: Option<Camera>,
     /// The options as wanted; the renderer may have others until it is done, or for good.
     pub options: Options,
@@ -59,7 +59,7 @@ pub struct App {
     pub fill: bool,
     /// The size of that place, in pixels.
     pub place: [u32; 2],
-    /// What shines.
+    /// The lights.
     pub lights: Lights,
     /// What the pictures are held against, and what came of it.
     pub comparison: Comparison,
@@ -265,7 +265,7 @@ impl App {
         self.say(format!("opening {name}"));
     }
 
-    /// Of the scene that is shown.
+    /// The name of the scene that is shown.
     pub fn scene_name(&self) -> &str {
         self.opened.as_ref().map_or(&self.source.0.name, |opened| &opened.source.name)
     }

@@ -10,7 +10,7 @@ use std::thread::JoinHandle;
 /// A picture and what it is held against.
 #[derive(Debug, Clone)]
 pub struct Case {
-    /// Of the divider.
+    /// The side of the divider.
     pub side: usize,
     /// The picture.
     pub picture: Arc<Picture>,
@@ -18,10 +18,10 @@ pub struct Case {
     pub reference: Arc<Picture>,
 }
 
-/// What came out.
+/// What came out of a case.
 #[derive(Debug)]
 pub struct Verdict {
-    /// What was measured.
+    /// The case that was measured.
     pub case: Case,
     /// How near it is, or why that can't be said.
     pub quality: Result<Quality, String>,

@@ -14,12 +14,12 @@ use crate::report::schema::{Entry, Files};
 use crate::report::session::Session;
 use deferred_aa::{PassTime, Settings, Technique};
 
-/// What entries are held against.
+/// The references that entries are held against.
 #[derive(Debug)]
 pub struct References {
-    /// Of many samples.
+    /// The picture of many samples.
     pub truth: Picture,
-    /// Where the largest m sees an edge: one mask for all entries, so that their edge errors against the truth compare.
+    /// The pixels where the largest m sees an edge: one mask for all entries, so that their edge errors against the truth compare.
     pub edges: Option<Vec<bool>>,
 }
 
@@ -85,7 +85,7 @@ pub fn measure(
     Ok(())
 }
 
-/// Where a window of this m holds an edge. Also in the folder, as edges.png.
+/// The pixels where a window of this m holds an edge. They are also written to the folder, as edges.png.
 pub fn edges(session: &Session, m: u32) -> Result<Vec<bool>, ReportError> {
     let mut host = session.host(m)?;
     session.frame(&mut host, Settings { technique: Technique::Single, ..Settings::default() })?;
@@ -106,7 +106,7 @@ pub struct Shooter {
 }
 
 impl Shooter {
-    /// For these entries, all of the host's m.
+    /// A shooter for these entries, all of the host's m.
     pub fn new(host: Host, entries: &[Planned]) -> Result<Self, ReportError> {
         let (width, height) = (host.options.width, host.options.height);
         let any = entries.iter().any(|e| e.peer.is_some());
@@ -124,7 +124,7 @@ impl Shooter {
         Ok(shot)
     }
 
-    /// Of the last frame, which was of this entry. Waits.
+    /// The picture of the last frame, which was of this entry. Waits for the GPU.
     pub fn picture(&self, planned: &Planned) -> Picture {
         match &self.peers {
             Some(peers) if planned.peer.is_some() => peers.picture(),
@@ -173,7 +173,7 @@ fn write_files(
     Ok(files)
 }
 
-/// Against both references, each on a thread of its own.
+/// Compares with both references, each on a thread of its own.
 fn compare(
     image: &Picture,
     grid: Option<(&Picture, &[bool])>,

@@ -5,18 +5,18 @@ use crate::scene::builtin;
 use egui::{Align2, Context, Key, Ui};
 use std::path::{Path, PathBuf};
 
-/// In a window of its own.
+/// What is asked for in a window of its own.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Dialog {
     /// A path.
     File(FileDialog),
     /// A title and what went wrong.
     Trouble(String, String),
-    /// What keys do.
+    /// The list of keys.
     Keys,
 }
 
-/// For what a path is.
+/// The purpose of a path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Purpose {
     Open,
@@ -37,7 +37,7 @@ pub struct FileDialog {
     focused: bool,
 }
 
-/// What came of it.
+/// What came of a dialog.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Answer {
     /// Nothing yet.
@@ -46,13 +46,13 @@ pub enum Answer {
     Closed,
     /// A scene's name or path.
     Open(String),
-    /// Where settings go.
+    /// Settings are to be saved here.
     SaveSettings(PathBuf),
-    /// Where they come from.
+    /// Settings are to be loaded from here.
     LoadSettings(PathBuf),
-    /// Where the picture goes.
+    /// The picture is to be saved here.
     SaveImage(PathBuf),
-    /// The folder of a report.
+    /// A report is to be made in this folder.
     Report(PathBuf),
 }
 
