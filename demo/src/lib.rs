@@ -19,5 +19,6 @@ pub mod shaders;
 pub mod tune;
 pub mod view;
 
+// The short paths by which the library's tests and benches know them.
 pub use host::{gpu, raster, rays, upload};
 pub use measure::{oracle, quality, stats};

@@ -4,7 +4,7 @@ use super::controls;
 use super::input::dialog::Dialog;
 use super::judge::{Case, Verdict};
 use super::renderer::{Event, Lights, Opened, Source, View, Wanted, is_image};
-use super::report::Report;
+use super::report_process::Report;
 use super::state::{Comparison, Kept, Look, Side, Status};
 use super::threads::Threads;
 use crate::host::Options;

@@ -11,7 +11,7 @@ mod judge;
 mod picture_panel;
 mod priority;
 mod renderer;
-mod report;
+mod report_process;
 mod rust_source;
 mod settings_panel;
 mod state;

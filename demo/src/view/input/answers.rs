@@ -5,7 +5,7 @@ use crate::host::Options;
 use crate::scene::{Camera, Lens};
 use crate::settings_file::{self, SettingsFileError};
 use crate::view::app::App;
-use crate::view::report::Report;
+use crate::view::report_process::Report;
 use egui::{Context, Ui};
 use std::path::Path;
 use std::time::Duration;
