@@ -475,7 +475,7 @@ fn passes_come_in_order_and_read_what_is_written() {
         &["first", "resolve"],
         &["first", "metrics", "plan", "shade", "resolve"],
         &["first", "metrics", "plan", "shade", "resolve"],
-        &["first", "select", "list", "extra", "resolve"],
+        &["first", "select", "list", "quadrants", "resolve"],
     ];
     let ways = WAYS[..4].iter().chain(&WAYS[8..]).copied();
     for (w, expected) in ways.zip(expected) {

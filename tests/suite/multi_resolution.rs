@@ -479,7 +479,7 @@ fn passes_are_those_of_the_lattices() {
     assert_eq!(names(multi(undersampled(Pattern::Quad, 0))), ["points", "resolve"]);
     let four = ["points 1/4", "refine 1/2", "points 1/2", "refine", "points"];
     assert_eq!(names(multi(undersampled(Pattern::Quad, 2))), [&four[..], &["resolve"]].concat());
-    let windows = ["map", "plan", "list", "shade", "resolve"];
+    let windows = ["lattice_to_pixels", "plan", "list", "shade", "resolve"];
     assert_eq!(names(multi(MultiResolution::default())), [&four[..], &windows].concat());
     let shifted = ["points 1/2", "refine shifted", "points shifted", "refine", "points", "resolve"];
     assert_eq!(names(multi(undersampled(Pattern::Triangular, 1))), shifted);

@@ -1,7 +1,7 @@
 //! `adapters`: what there is, and what it can run.
 
-use super::say;
-use crate::{gpu, host};
+use super::output::say;
+use crate::host::{self, gpu};
 use deferred_aa::rays::RayTier;
 use deferred_aa::{DeferredAa, TextureTier};
 

@@ -1,11 +1,13 @@
 //! `demo`: Single, Windowed and Full side by side, with what each costs.
 
-use super::render::write_json;
-use super::{CommandError, ViewArgs, parse_preset, say, set};
+use super::args::{ViewArgs, parse_preset};
+use super::error::CommandError;
+use super::output::{say, write_json};
+use super::set;
 use crate::host::Shot;
+use crate::measure::quality::{self, Quality};
+use crate::measure::stats::Stats;
 use crate::picture::{self, Panel, Picture};
-use crate::quality::{self, Quality};
-use crate::stats::Stats;
 use deferred_aa::{Execution, Preset, Settings, Technique};
 
 /// See `deferred-aa-demo demo --help`.

@@ -1,14 +1,15 @@
 //! `render`: one technique on one view, with everything that it wrote.
 
+use super::args::ViewArgs;
+use super::error::CommandError;
+use super::output::{say, write_json};
 use super::set::SettingsArgs;
-use super::{CommandError, ViewArgs, say};
-use crate::goal;
+use crate::host::raster::node_camera;
+use crate::measure::goal;
+use crate::measure::quality;
+use crate::measure::stats::Stats;
 use crate::picture;
-use crate::quality;
-use crate::raster::node_camera;
-use crate::stats::Stats;
 use deferred_aa::{DebugView, Goal, Settings, Technique};
-use std::path::Path;
 
 /// See `deferred-aa-demo render --help`.
 #[derive(Debug, clap::Args)]
@@ -93,13 +94,4 @@ impl Render {
         eprintln!("wrote {}", out.display());
         Ok(())
     }
-}
-
-/// Written whole or not at all.
-pub fn write_json(path: &Path, value: &impl serde::Serialize) -> Result<(), CommandError> {
-    let file = |source| CommandError::File { path: path.to_owned(), source };
-    let text = serde_json::to_string_pretty(value).map_err(|e| file(e.into()))?;
-    let part = path.with_extension("json.part");
-    std::fs::write(&part, text + "\n").map_err(file)?;
-    std::fs::rename(&part, path).map_err(file)
 }

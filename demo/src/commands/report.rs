@@ -1,6 +1,9 @@
 //! `report`: techniques over their settings, measured against the truth.
 
-use super::{CommandError, Opened, SceneArgs, check_m, say, set, wrong};
+use super::args::{Opened, SceneArgs, check_m};
+use super::error::{CommandError, wrong};
+use super::output::say;
+use super::set;
 use crate::names::did_you_mean;
 use crate::report::folder::Folder;
 use crate::report::plan::{PEERS, TECHNIQUES};

@@ -1,6 +1,7 @@
 //! `--set key=value`: any field of the settings by its path.
 
-use super::{CommandError, parse_preset, parse_technique};
+use super::args::{parse_preset, parse_technique};
+use super::error::CommandError;
 use crate::names::nearest;
 use crate::settings_file;
 use deferred_aa::{Preset, Settings, Technique};

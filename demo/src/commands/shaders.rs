@@ -1,7 +1,9 @@
 //! `shaders`: the node's shaders in other languages.
 
+use super::args::{RayArg, check_m};
+use super::error::{CommandError, wrong};
+use super::output::{say, write_json};
 use super::set::SettingsArgs;
-use super::{CommandError, RayArg, check_m, say, wrong};
 use crate::host;
 use crate::shaders::{self, Lang, Request};
 use deferred_aa::{Shading, TextureTier};
@@ -71,7 +73,7 @@ impl Shaders {
         }
         let path = self.out.join("bindings.md");
         std::fs::write(&path, export.table.markdown()).map_err(file(path))?;
-        super::render::write_json(&self.out.join("bindings.json"), &export.table)?;
+        write_json(&self.out.join("bindings.json"), &export.table)?;
         say(&format!("{} shaders, bindings.md and bindings.json in {}", export.files.len(), self.out.display()));
         Ok(())
     }

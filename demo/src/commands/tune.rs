@@ -1,10 +1,11 @@
 //! `tune`: presets that reach given errors with the fewest samples on several scenes.
 
-use super::render::write_json;
-use super::{CameraArg, CommandError, RayArg, SceneArgs, TextureArg, ViewArgs, parse_camera, parse_size, say};
+use super::args::{CameraArg, RayArg, SceneArgs, TextureArg, ViewArgs, parse_camera, parse_size};
+use super::error::CommandError;
+use super::output::{say, write_json};
 use crate::host::Shot;
+use crate::measure::stats::Spread;
 use crate::names::did_you_mean;
-use crate::stats::Spread;
 use crate::tune::subject::{Figures, Subject, SubjectError, full};
 use crate::tune::tunable::Tunable;
 use crate::tune::{Point, Task, Tuner};

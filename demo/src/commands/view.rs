@@ -1,10 +1,12 @@
 //! `view`: the window.
 
-use super::{CameraArg, CommandError, RayArg, TextureArg, check_m, open_scene, parse_camera, parse_size, wrong};
-use crate::gpu;
+use super::args::{CameraArg, RayArg, TextureArg, check_m, parse_camera, parse_size};
+use super::error::{CommandError, wrong};
 use crate::host::Options;
-use crate::raster::look_at;
+use crate::host::gpu;
+use crate::host::raster::look_at;
 use crate::scene::builtin;
+use crate::scene::open::open;
 use crate::settings_file;
 use crate::view::{self, Kept, Source, Start};
 use std::path::{Path, PathBuf};
@@ -66,7 +68,7 @@ impl View {
         }
         // The window would open without a scene.
         if builtin::builtin(&self.scene).is_none() && !Path::new(&self.scene).exists() {
-            open_scene(&self.scene, self.scene_index)?;
+            open(&self.scene, self.scene_index)?;
         }
         // A mistake in the adapter's name is one of the command line.
         let adapter = gpu::choose(self.adapter.as_deref())?;

@@ -8,8 +8,8 @@ mod smaa;
 #[cfg(test)]
 mod tests;
 
-use crate::gpu::Gpu;
 use crate::host::HostError;
+use crate::host::gpu::Gpu;
 use crate::picture::Picture;
 use display::Display;
 use fxaa::Fxaa;

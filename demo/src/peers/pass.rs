@@ -1,6 +1,6 @@
 //! What the passes over a whole image share.
 
-use crate::gpu::Gpu;
+use crate::host::gpu::Gpu;
 
 /// A pipeline that draws one triangle over a target, and its bind group's layout.
 #[derive(Debug)]

@@ -1,5 +1,5 @@
 use super::*;
-use crate::{gpu, host};
+use crate::host::{self, gpu};
 use deferred_aa::TextureTier;
 use deferred_aa::rays::RayTier;
 

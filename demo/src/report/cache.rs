@@ -31,20 +31,20 @@ struct Label {
 /// A picture that was found.
 #[derive(Debug)]
 pub struct Hit {
-    /// As it was stored.
+    /// The picture as it was stored.
     pub picture: Picture,
-    /// That it took to render.
+    /// Seconds that it took to render.
     pub seconds: f64,
 }
 
 /// What there is to say of a truth that is stored.
 #[derive(Debug, Clone, Copy)]
 pub struct About<'a> {
-    /// For people that look into the folder.
+    /// The scene's name, for people who look into the folder.
     pub scene: &'a str,
-    /// On a regular grid.
+    /// Samples of each pixel, on a regular grid.
     pub samples_per_pixel: u32,
-    /// That it took to render.
+    /// Seconds that it took to render.
     pub seconds: f64,
 }
 

@@ -4,6 +4,7 @@
 //! where the fingerprint is still the same.
 
 use super::ReportError;
+use crate::files;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -96,13 +97,7 @@ impl Kind {
     }
 }
 
-/// Writes a file beside its place and then renames it.
+/// Writes a file, whole or not at all.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), ReportError> {
-    let mut part = path.as_os_str().to_owned();
-    part.push(format!(".{}.part", std::process::id()));
-    let part = PathBuf::from(part);
-    std::fs::write(&part, bytes).and_then(|()| std::fs::rename(&part, path)).map_err(|e| {
-        let _ = std::fs::remove_file(&part);
-        ReportError::file(path, "free some space or name another folder")(e)
-    })
+    files::write(path, bytes).map_err(ReportError::file(path, "free some space or name another folder"))
 }

@@ -1,115 +1,25 @@
 //! What accuracy costs: techniques over their settings, measured, and a page that shows it.
 //!
 //! ```text
-//! plan      which entries, before any work
-//! truth     what all of them are held against, from the cache if it is there
-//! measure   the entries, interleaved by the window's size
-//! bounds    how few samples could have done
-//! flicker   the same entries while the camera moves
-//! executions, goals, cost   the same image run in other ways; to a goal; on other sizes, lights, triangles
-//! effects   what the scene does not pay for
-//! papers    the tables of the papers, and the same rows here
-//! page      report.json, report.html
+//! plan        which entries, before any work
+//! parts       the parts of work: the truth, the entries, and each further question
+//! schema      the rows that the parts give, and report.json as a whole
+//! page        report.html; table: the same on a terminal
+//! run         the order of all of it
 //! ```
 //!
 //! What is finished is in the folder at once ([`folder`]), so that nothing is measured twice after an interruption.
 
-pub mod bounds;
 pub mod cache;
-pub mod cost;
-pub mod effects;
-pub mod executions;
+mod error;
 pub mod fingerprint;
-pub mod fit;
-pub mod flicker;
 pub mod folder;
-pub mod goals;
-mod images;
-pub mod measure;
 mod page;
-pub mod papers;
+pub mod parts;
 pub mod plan;
 pub mod run;
 pub mod schema;
 pub mod session;
 pub mod table;
-pub mod truth;
-pub mod variants;
 
-use crate::host::HostError;
-use crate::picture::PictureError;
-use crate::quality::QualityError;
-use std::path::{Path, PathBuf};
-
-/// The report can't go on.
-#[derive(Debug, thiserror::Error)]
-pub enum ReportError {
-    /// The frame.
-    #[error(transparent)]
-    Host(#[from] HostError),
-    /// A picture.
-    #[error(transparent)]
-    Picture(#[from] PictureError),
-    /// A measure.
-    #[error(transparent)]
-    Quality(#[from] QualityError),
-    /// A file or folder.
-    #[error("{path}: {source}; {cure}", path = .path.display())]
-    File {
-        /// Which.
-        path: PathBuf,
-        /// What the system said.
-        source: std::io::Error,
-        /// What to do.
-        cure: &'static str,
-    },
-    /// The disk is too small.
-    #[error("{path}: {free} MB are free and about {needed} MB are needed; free some or name another folder with --out", path = .path.display())]
-    Space {
-        /// Where.
-        path: PathBuf,
-        /// Megabytes.
-        free: u64,
-        /// Megabytes.
-        needed: u64,
-    },
-    /// A reference holds a NaN or an infinity.
-    #[error("the {what} is not finite{}: its shading gives NaN or infinity there; look at the lights and materials that meet in it", .pixel.map(|(x, y)| format!(" at pixel ({x}, {y})")).unwrap_or_default())]
-    NotFinite {
-        /// Truth or grid reference.
-        what: String,
-        /// From the top left corner, where it could be found.
-        pixel: Option<(u32, u32)>,
-    },
-    /// The user stopped it.
-    #[error("interrupted")]
-    Interrupted,
-    /// Part of it is there.
-    #[error("{why}; {kept} of {planned} entries are kept in {}: go on with --resume", .folder.display())]
-    Unfinished {
-        /// What happened.
-        why: String,
-        /// Entries in the folder.
-        kept: usize,
-        /// Entries that were planned.
-        planned: usize,
-        /// Where they are.
-        folder: PathBuf,
-    },
-}
-
-impl ReportError {
-    /// What is finished stays of use: the user stopped, or the device went away.
-    pub fn keeps_what_is_finished(&self) -> bool {
-        match self {
-            Self::Interrupted => true,
-            Self::Host(e) => e.is_loss(),
-            _ => false,
-        }
-    }
-
-    fn file(path: &Path, cure: &'static str) -> impl FnOnce(std::io::Error) -> Self {
-        let path = path.to_owned();
-        move |source| Self::File { path, source, cure }
-    }
-}
+pub use error::ReportError;

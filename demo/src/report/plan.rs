@@ -2,7 +2,7 @@
 
 use super::schema::Role;
 use crate::peers::Peer;
-use deferred_aa::{MultiResolution, Preset, Reconstructed, Selective, Settings, Technique, Weight, Windowed};
+use deferred_aa::{MultiResolution, Preset, Reconstructed, Selective, Settings, Technique, Windowed};
 
 /// One entry to measure.
 #[derive(Debug, Clone, PartialEq)]
@@ -215,17 +215,6 @@ fn scaled(w: Windowed, factor: f32) -> Windowed {
         luminance_scale: (w.luminance_scale * factor).min(1e6),
         ..w
     }
-}
-
-/// The reference of one grid: all samples, exact mean.
-pub fn grid(base: Settings) -> Settings {
-    Settings { technique: Technique::Full, weight: Weight::Linear, goal: None, ..base }
-}
-
-/// The truth's: all samples of the scene with the same effects, whatever else is set.
-pub fn truth(base: Settings) -> Settings {
-    let Settings { shadows, reflections, refraction, .. } = base;
-    grid(Settings { shadows, reflections, refraction, ..Settings::default() })
 }
 
 #[cfg(test)]

@@ -1,16 +1,21 @@
 //! The order of a report.
 
-use super::cost::{self, Cost};
-use super::effects::{Effects, effects};
-use super::executions::{ExecutionRow, executions};
-use super::measure::{self, References};
-use super::papers::{self, Papers, papers};
+use super::ReportError;
+use super::page::{self, images};
+use super::parts::effects::effects;
+use super::parts::entries::{self, References};
+use super::parts::executions::executions;
+use super::parts::papers::{self, papers};
+use super::parts::{bounds, cost, fit, flicker, goals, truth, variants};
 use super::plan::{self, Planned};
+use super::schema::cost::Cost;
+use super::schema::effects::Effects;
+use super::schema::executions::ExecutionRow;
+use super::schema::papers::Papers;
 use super::schema::{Crop, Entry, Frontier, GoalRow, Oracle, Report, ReportAdapter, TemporalBase, TruthInfo, VERSION};
 use super::session::{Request, Session};
-use super::{ReportError, bounds, fit, flicker, goals, images, page, truth, variants};
+use crate::measure::stats::Adapter;
 use crate::picture::Picture;
-use crate::stats::Adapter;
 use std::collections::BTreeSet;
 
 /// What is finished so far.
@@ -96,7 +101,7 @@ pub fn run(session: &mut Session) -> Result<Report, ReportError> {
 }
 
 fn work(session: &mut Session, plan: &[Planned], finished: &mut Finished) -> Result<(), ReportError> {
-    let (entries, left) = measure::sort_out(session, plan);
+    let (entries, left) = entries::sort_out(session, plan);
     finished.entries = entries;
     let side = if session.request.quick { 16 } else { 32 };
     let truth = session.part("truth", |session| truth::truth(session, side))?;
@@ -108,9 +113,9 @@ fn work(session: &mut Session, plan: &[Planned], finished: &mut Finished) -> Res
         let left: Vec<_> = left.iter().filter(|p| p.m == m).cloned().collect();
         session.part(&window(m), |session| {
             if m < largest && !left.is_empty() && references.edges.is_none() {
-                references.edges = Some(measure::edges(session, largest)?);
+                references.edges = Some(entries::edges(session, largest)?);
             }
-            measure::measure(session, &left, &mut references, |entry| finished.entries.push(entry))
+            entries::measure(session, &left, &mut references, |entry| finished.entries.push(entry))
         })?;
     }
     session.part("bounds", |session| {
@@ -200,8 +205,8 @@ fn frontier(entries: &[Entry]) -> Frontier {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gpu::{self, Gpu};
     use crate::host;
+    use crate::host::gpu::{self, Gpu};
     use crate::report::folder::Folder;
     use crate::scene::builtin::builtin;
     use deferred_aa::rays::RayTier;

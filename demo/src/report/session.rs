@@ -3,11 +3,11 @@
 use super::ReportError;
 use super::fingerprint::Fingerprint;
 use super::folder::Folder;
-use crate::gpu::Gpu;
+use crate::host::gpu::Gpu;
+use crate::host::raster::node_camera;
 use crate::host::{Host, Options, Shot};
-use crate::raster::node_camera;
+use crate::measure::stats::Adapter;
 use crate::scene::{Camera, Scene};
-use crate::stats::Adapter;
 use deferred_aa::rays::RayTier;
 use deferred_aa::{Settings, TextureTier};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -16,14 +16,14 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// What is asked for.
+/// What a report is asked for.
 #[derive(Debug, Clone)]
 pub struct Request {
-    /// As typed.
+    /// The command line as it was typed.
     pub command: String,
-    /// Pixels.
+    /// Width of the picture in pixels.
     pub width: u32,
-    /// Pixels.
+    /// Height of the picture in pixels.
     pub height: u32,
     /// Sides of windows, each once.
     pub ms: Vec<u32>,
@@ -37,41 +37,41 @@ pub struct Request {
     pub frames: u32,
     /// How textures are reached.
     pub textures: TextureTier,
-    /// Who traces rays.
+    /// The tier that traces rays.
     pub rays: RayTier,
-    /// Of texture reads, 1 to 16.
+    /// Anisotropy of texture reads, 1 to 16.
     pub anisotropy: u16,
     /// Objects that the focused rows of the papers' tables are about; the one in the middle if there is none.
     pub focus: Vec<u16>,
-    /// What entries have in common.
+    /// The settings that entries have in common.
     pub base: Settings,
-    /// Take up what is finished.
+    /// Whether to take up what is finished in the folder.
     pub resume: bool,
-    /// Where truths are kept; the user's cache folder if not given.
+    /// The folder where truths are kept; the user's cache folder if not given.
     pub cache: Option<PathBuf>,
 }
 
 /// A report under way.
 #[derive(Debug)]
 pub struct Session {
-    /// What is asked for.
+    /// The request.
     pub request: Request,
     /// The device.
     pub gpu: Gpu,
     /// The scene.
     pub scene: Scene,
-    /// From where it is seen.
+    /// The camera that the scene is seen from.
     pub view: Camera,
-    /// Where results go.
+    /// The folder for results.
     pub folder: Folder,
-    /// What all results depend on.
+    /// The hash of what all results depend on.
     pub fingerprint: Fingerprint,
-    /// How long parts took.
+    /// The seconds that parts took.
     pub seconds: BTreeMap<String, f64>,
     bar: ProgressBar,
     parts: Vec<String>,
     done: BTreeSet<String>,
-    /// What was changed in the scene was said.
+    /// Whether the notices about the scene were said.
     noted: AtomicBool,
 }
 
@@ -89,7 +89,7 @@ pub fn stop_on_interrupt() {
 }
 
 impl Session {
-    /// With these parts of work to come, the page last.
+    /// A session with these parts of work to come, the page last.
     pub fn new(request: Request, gpu: Gpu, scene: Scene, view: Camera, folder: Folder, parts: Vec<String>) -> Self {
         let mut fingerprint = Fingerprint::of_scene(&scene);
         let adapter = Adapter::of(&gpu);

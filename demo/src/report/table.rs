@@ -1,9 +1,10 @@
 //! The report on a terminal.
 
-use super::effects::{Effects, Frames};
-use super::papers::{PARTS, Papers, Printed, Row, Table};
 use super::schema::Report;
-use crate::quality::IDENTICAL_DB;
+use super::schema::effects::{Effects, Frames};
+use super::schema::papers::{Papers, Printed, Row, Table};
+use crate::measure::quality::IDENTICAL_DB;
+use crate::pass_kind::PARTS;
 
 /// A line an entry, in the order of the plan, and how long it all took.
 pub fn table(report: &Report) -> String {

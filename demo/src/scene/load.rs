@@ -10,6 +10,7 @@ mod container;
 mod error;
 mod images;
 mod lights;
+mod limits;
 mod material;
 mod mesh;
 mod nodes;
@@ -24,6 +25,7 @@ use gltf::json::Root;
 
 use self::accessor::Document;
 pub use self::error::{LoadError, Problem};
+use self::limits::{MAX_INSTANCES, label};
 use self::material::MaterialTable;
 use super::{Camera, Instance, Light, Mesh, Scene, Sun};
 
@@ -40,8 +42,6 @@ pub const SUPPORTED_EXTENSIONS: &[&str] = &[
     "KHR_texture_transform",
 ];
 
-/// Meshes drawn, counting every copy.
-const MAX_INSTANCES: usize = 1 << 20;
 /// More notices than this help nobody.
 const MAX_NOTICES: usize = 100;
 
@@ -267,14 +267,6 @@ impl<'a> Assembly<'a> {
             scene.notices.push(format!("and {excess} more notices"));
         }
         Ok(scene)
-    }
-}
-
-/// How messages call a thing of the file: "material 3 'glass'".
-fn label(kind: &str, number: usize, name: Option<&str>) -> String {
-    match name {
-        Some(name) if !name.is_empty() => format!("{kind} {number} '{}'", name.escape_debug()),
-        _ => format!("{kind} {number}"),
     }
 }
 

@@ -6,6 +6,7 @@
 pub mod builtin;
 mod check;
 pub mod load;
+pub mod open;
 mod tangents;
 mod vectors;
 mod view;

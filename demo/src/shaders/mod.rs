@@ -3,38 +3,24 @@
 //! No adapter is needed: the node is built on wgpu's backend that draws nothing.
 
 mod bindings;
+mod error;
 mod host;
+mod lang;
+mod request;
+mod resolve;
 mod table;
 mod translate;
 
-use crate::gpu::{Gpu, GpuError};
+use crate::host::gpu::Gpu;
 use bindings::Slots;
-use deferred_aa::rays::RayTier;
-use deferred_aa::{
-    BuildError, DeferredAa, Descriptor, Needs, PassInfo, RecordError, Settings, Shader, Shading, TextureTier, gbuffer,
-};
+use deferred_aa::{BuildError, DeferredAa, Descriptor, Needs, PassInfo, Shader, TextureTier, gbuffer};
 use naga::ShaderStage;
-use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
+use resolve::{Resolved, language, resolve};
 
+pub use error::ShadersError;
+pub use lang::Lang;
+pub use request::Request;
 pub use table::Table;
-pub use translate::Lang;
-
-/// What to write.
-#[derive(Debug, Clone, Copy)]
-pub struct Request<'a> {
-    /// In which language.
-    pub lang: Lang,
-    /// Samples along one side of a window, 1 to 8: a constant in all that is written.
-    pub m: u32,
-    /// Of the frames.
-    pub settings: &'a Settings,
-    /// How `daa_texture` reaches textures.
-    pub textures: TextureTier,
-    /// Who traces rays, where the settings have effects on.
-    pub rays: RayTier,
-    /// The host's WGSL.
-    pub shading: Shading<'a>,
-}
 
 /// What was written.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,46 +29,6 @@ pub struct Export {
     pub files: Vec<(String, Vec<u8>)>,
     /// The passes, and what their shaders bind.
     pub table: Table,
-}
-
-/// Shaders could not be had.
-#[derive(Debug, thiserror::Error)]
-pub enum ShadersError {
-    /// No device of the backend that draws nothing.
-    #[error(transparent)]
-    Gpu(#[from] GpuError),
-    /// The node could not be built.
-    #[error(transparent)]
-    Build(#[from] BuildError),
-    /// Such a frame can't be.
-    #[error(transparent)]
-    Record(#[from] RecordError),
-    /// A constant of the host's has no value, or the like.
-    #[error("{shader}: {message}")]
-    Shader {
-        /// The entry point.
-        shader: String,
-        /// What naga said.
-        message: String,
-    },
-    /// A language has no words for something.
-    #[error("{shader}: {lang} can't say this: {message}")]
-    Language {
-        /// The entry point.
-        shader: String,
-        /// Which.
-        lang: Lang,
-        /// What naga said, and what helps.
-        message: String,
-    },
-}
-
-/// A shader whose constants are filled in, with nothing in it but what its entry point reaches.
-struct Resolved<'a> {
-    shader: &'a Shader,
-    module: naga::Module,
-    info: ModuleInfo,
-    file: String,
 }
 
 /// A raster shader that packs: an example for the host's own, which is not the node's.
@@ -167,41 +113,6 @@ fn pack() -> Shader {
         constants: Vec::new(),
         zero_initialize_workgroup_memory: false,
     }
-}
-
-fn resolve<'a>(request: &Request<'_>, shader: &'a Shader, variants: usize) -> Result<Resolved<'a>, ShadersError> {
-    let failed = |e: &dyn std::error::Error| ShadersError::Shader { shader: shader.entry.clone(), message: causes(e) };
-    let module = naga::front::wgsl::parse_str(&shader.source).map_err(|e| failed(&e))?;
-    let validator = |capabilities| Validator::new(ValidationFlags::all(), capabilities);
-    let info = validator(Capabilities::all()).validate(&module).map_err(|e| failed(e.as_inner()))?;
-    let constants = shader.constants.iter().map(|(name, value)| (name.clone(), *value)).collect();
-    let entry = Some((shader.stage, shader.entry.as_str()));
-    let resolved = naga::back::pipeline_constants::process_overrides(&module, &info, entry, &constants);
-    let mut module = resolved.map_err(|e| failed(&e))?.0.into_owned();
-    // It leaves the overrides behind, though nothing asks for them any more.
-    naga::compact::compact(&mut module, naga::compact::KeepUnused::No);
-    let info = validator(request.lang.capabilities())
-        .validate(&module)
-        .map_err(|e| language(request, shader, causes(e.as_inner())))?;
-    let variant = if variants == 0 { String::new() } else { format!("_{}", variants + 1) };
-    let file = format!("{}{variant}.{}", shader.entry, request.lang.extension());
-    Ok(Resolved { shader, module, info, file })
-}
-
-/// What a language lacks, and what helps if it is a tier that asks for it.
-fn language(request: &Request<'_>, shader: &Shader, said: String) -> ShadersError {
-    let cure = match said.as_str() {
-        m if m.contains("RAY_QUERY") && request.rays == RayTier::Query => "; use --rays software",
-        m if m.contains("BINDING_ARRAY") && request.textures == TextureTier::Bindings => "; use --textures arrays",
-        _ => "",
-    };
-    ShadersError::Language { shader: shader.entry.clone(), lang: request.lang, message: said + cure }
-}
-
-/// An error and what is behind it, in one line.
-fn causes(error: &dyn std::error::Error) -> String {
-    let chain = std::iter::successors(Some(error), |e| e.source());
-    chain.map(|e| e.to_string().split_whitespace().collect::<Vec<_>>().join(" ")).collect::<Vec<_>>().join(": ")
 }
 
 #[cfg(test)]

@@ -1,8 +1,9 @@
 //! What the passes are, and what their shaders bind: for readers, and for programs.
 
 use super::bindings::{Kind, Slots, length};
+use super::request::Request;
+use super::resolve::Resolved;
 use super::translate::is_buffer;
-use super::{Request, Resolved};
 use deferred_aa::{Grid, PassInfo, Resource, ResourceSet, Rounds};
 use naga::common::wgsl::TypeContext as _;
 use naga::{Handle, Module, Type, TypeInner};

@@ -2,7 +2,9 @@ use super::bindings::Kind;
 use super::table::Binding;
 use super::*;
 use crate::host::SHADING_WGSL;
-use deferred_aa::{Effect, Execution, Technique};
+use deferred_aa::rays::RayTier;
+use deferred_aa::{Effect, Execution, Settings, Shading, Technique};
+use naga::valid::{Capabilities, ValidationFlags, Validator};
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 use std::process::Command;
@@ -10,7 +12,7 @@ use std::process::Command;
 const LANGS: [Lang; 5] = [Lang::Hlsl, Lang::Msl, Lang::Spirv, Lang::Glsl, Lang::Wgsl];
 
 fn demo<'a>(lang: Lang, settings: &'a Settings, textures: TextureTier, rays: RayTier) -> Request<'a> {
-    let shading = Shading { source: SHADING_WGSL, file: "demo/src/shading.wgsl" };
+    let shading = Shading { source: SHADING_WGSL, file: "demo/src/host/shading.wgsl" };
     Request { lang, m: 3, settings, textures, rays, shading }
 }
 

@@ -2,8 +2,8 @@
 
 use super::tunable::Tunable;
 use crate::host::{Host, HostError, Shot};
+use crate::measure::quality::{self, QualityError};
 use crate::picture::Picture;
-use crate::quality::{self, QualityError};
 use crate::scene::Camera;
 use deferred_aa::{Settings, Technique};
 use serde::Serialize;

@@ -1,9 +1,10 @@
 //! What it costs and how good it is: times by pass, samples, rays and bytes, quality against the reference, and the plot of error
 //! against time that gains a point with everything that is tried.
 
-use super::app::{App, Tried};
-use super::worker::Reference;
-use crate::quality::IDENTICAL_DB;
+use super::app::App;
+use super::renderer::Reference;
+use super::state::Tried;
+use crate::measure::quality::IDENTICAL_DB;
 use egui::{Color32, ComboBox, Grid, RichText, ScrollArea, Ui, Vec2b};
 use egui_plot::{Bar, BarChart, Line, Plot, PlotPoint, PlotPoints, Points};
 use std::collections::BTreeMap;
@@ -144,13 +145,13 @@ impl App {
             }
         });
         if self.kept.reference != before {
-            self.reference = None;
-            self.progress = None;
+            self.comparison.reference = None;
+            self.comparison.progress = None;
             for side in &mut self.sides {
                 (side.quality, side.error) = (None, None);
             }
         }
-        if let Some((done, all)) = self.progress {
+        if let Some((done, all)) = self.comparison.progress {
             ui.add(egui::ProgressBar::new(done as f32 / all.max(1) as f32).text(format!("{done} of {all}")));
         }
         Grid::new("quality").num_columns(3).striped(true).show(ui, |ui| {
@@ -177,7 +178,7 @@ impl App {
 
     fn frontier(&mut self, ui: &mut Ui) {
         ui.label("Error against time: every setting that you try is a point. A click goes back to it.");
-        let shown: Vec<&Tried> = self.tried.iter().filter(|t| t.db < IDENTICAL_DB).collect();
+        let shown: Vec<&Tried> = self.comparison.tried.iter().filter(|t| t.db < IDENTICAL_DB).collect();
         let at = |t: &Tried| [t.ms, t.db];
         let frontier = frontier(&shown);
         let mut by_technique: BTreeMap<String, Vec<[f64; 2]>> = BTreeMap::new();

@@ -1,7 +1,8 @@
 //! Measures pictures against the reference on a thread of its own: FLIP takes longer than a frame.
 
+use super::priority::step_back;
+use crate::measure::quality::{self, Quality};
 use crate::picture::{Picture, display};
-use crate::quality::{self, Quality};
 use std::sync::mpsc::Sender;
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread::JoinHandle;
@@ -9,7 +10,7 @@ use std::thread::JoinHandle;
 /// A picture and what it is held against.
 #[derive(Debug, Clone)]
 pub struct Case {
-    /// Of the divider.
+    /// The side of the divider.
     pub side: usize,
     /// The picture.
     pub picture: Arc<Picture>,
@@ -17,10 +18,10 @@ pub struct Case {
     pub reference: Arc<Picture>,
 }
 
-/// What came out.
+/// What came out of a case.
 #[derive(Debug)]
 pub struct Verdict {
-    /// What was measured.
+    /// The case that was measured.
     pub case: Case,
     /// How near it is, or why that can't be said.
     pub quality: Result<Quality, String>,
@@ -49,7 +50,7 @@ impl Judge {
         let shared = Arc::new((Mutex::new(Waiting::default()), Condvar::new()));
         let own = shared.clone();
         let thread = std::thread::Builder::new().name("judge".to_owned()).spawn(move || {
-            super::step_back();
+            step_back();
             while let Some(case) = next(&own) {
                 let _ = verdicts.send(judge(case));
                 wake();

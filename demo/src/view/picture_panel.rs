@@ -1,9 +1,9 @@
 //! The picture: two sides and their divider, where they are wrong, a magnifier, and the samples of the pixel under the pointer.
 
 use super::app::App;
-use super::fly;
-use super::side::Side;
-use super::worker::{Rendered, casts};
+use super::input::fly;
+use super::renderer::{Rendered, casts};
+use super::state::Side;
 use crate::host::Sent;
 use deferred_aa::{Settings, Technique, window};
 use egui::{
@@ -28,8 +28,8 @@ impl App {
         let response = ui.allocate_rect(area, Sense::click_and_drag());
         let painter = ui.painter_at(area);
         let Some(size) = self.size() else {
-            let waits = if self.busy.is_empty() { "no picture".to_owned() } else { self.busy_text() };
-            let text = self.failed.clone().unwrap_or(waits);
+            let waits = if self.status.busy.is_empty() { "no picture".to_owned() } else { self.status.busy_text() };
+            let text = self.status.failed.clone().unwrap_or(waits);
             painter.text(
                 area.center(),
                 Align2::CENTER_CENTER,
@@ -40,14 +40,14 @@ impl App {
             return;
         };
         let fit = (area.width() * pixels / size.x).min(area.height() * pixels / size.y);
-        let scale = self.scale.unwrap_or(fit) / pixels;
+        let scale = self.look.scale.unwrap_or(fit) / pixels;
         let full = vec2(size.x * scale, size.y * scale);
         if [PointerButton::Secondary, PointerButton::Middle].iter().any(|&button| response.dragged_by(button)) {
-            self.pan += response.drag_delta();
+            self.look.pan += response.drag_delta();
         }
         let spare = ((full - area.size()) / 2.0).max(egui::Vec2::ZERO);
-        self.pan = self.pan.clamp(-spare, spare);
-        let rect = Rect::from_center_size(area.center() + self.pan, full);
+        self.look.pan = self.look.pan.clamp(-spare, spare);
+        let rect = Rect::from_center_size(area.center() + self.look.pan, full);
         let divider = self.divider(ui, rect);
         self.draw(&painter, rect, divider);
         self.captions(&painter, area, rect, divider);
@@ -82,7 +82,7 @@ impl App {
     /// The texture of a side: its picture, or where it is wrong.
     fn texture(&self, side: usize) -> Option<TextureId> {
         let s = &self.sides[side];
-        let error = s.error.as_ref().filter(|_| self.show_error);
+        let error = s.error.as_ref().filter(|_| self.look.show_error);
         error.or(s.texture.as_ref()).map(egui::TextureHandle::id)
     }
 
@@ -122,7 +122,7 @@ impl App {
             first = Some(own);
             on_dark(painter, own, galley);
         }
-        if self.frozen {
+        if self.look.frozen {
             let text = "frozen: F lets go".to_owned();
             let galley = painter.layout_no_wrap(text, FontId::proportional(13.0), Color32::WHITE);
             let at = pos2(area.center().x, area.bottom() - 6.0);
@@ -138,14 +138,14 @@ impl App {
         parts.push(format!("k {:.2}", rendered.shot.statistics.mean_k));
         parts.extend(s.node_ms().map(|ms| format!("{ms:.1} ms")));
         parts.extend(s.quality.and_then(|q| q.psnr_db).map(super::cost_panel::decibels));
-        if self.show_error {
+        if self.look.show_error {
             parts.push("error".to_owned());
         }
         parts.join("  ")
     }
 
     fn steer(&mut self, ui: &Ui, response: &Response, area: Rect) {
-        let (Some(camera), Some(opened), false) = (self.camera, &self.opened, self.frozen) else { return };
+        let (Some(camera), Some(opened), false) = (self.camera, &self.opened, self.look.frozen) else { return };
         if response.dragged_by(PointerButton::Primary) {
             let drag = response.drag_delta() / area.height().max(1.0);
             self.camera = Some(fly::turned(camera, Vec2::new(drag.x, drag.y)));
@@ -176,7 +176,7 @@ impl App {
             Some(x) => usize::from(pointer.x >= x),
             None => usize::from(!self.shows(0)),
         };
-        if self.magnify {
+        if self.look.magnify {
             self.magnifier(&painter, ui.ctx().content_rect(), size, pixel, pointer);
         }
         let own = &self.sides[side];

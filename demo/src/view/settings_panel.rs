@@ -3,8 +3,8 @@
 
 use super::app::App;
 use super::controls::{self, Control, Kind};
-use super::side::Side;
-use super::worker::to_sun;
+use super::renderer::to_sun;
+use super::state::Side;
 use crate::host::Options;
 use crate::scene::Sun;
 use deferred_aa::rays::RayTier;

@@ -2,8 +2,8 @@
 
 use super::app::App;
 use super::controls::{self, Kind};
-use super::side::Side;
-use super::worker::Reference;
+use super::renderer::Reference;
+use super::state::Side;
 use deferred_aa::{SettingScale, Settings, Technique};
 use serde_json::{Value, json};
 
@@ -49,7 +49,7 @@ impl Tour {
 
     /// Goes on if the last step's picture is there; whether all is done.
     pub fn advance(&mut self, app: &mut App) -> bool {
-        if let Some(why) = &app.failed {
+        if let Some(why) = &app.status.failed {
             self.faults.push(why.clone());
             return true;
         }
@@ -108,7 +108,7 @@ fn values(kind: &Kind) -> Vec<Value> {
 mod tests {
     use super::*;
     use crate::host::Options;
-    use crate::view::worker;
+    use crate::view::renderer;
     use crate::view::{Kept, Source, Start};
     use deferred_aa::TextureTier;
     use deferred_aa::rays::RayTier;
@@ -202,8 +202,12 @@ mod tests {
             let start = Instant::now();
             while !so(&self.app) {
                 self.frame();
-                assert!(self.app.failed.is_none(), "{:?}", self.app.failed);
-                assert!(start.elapsed() < Duration::from_secs(60), "{what} did not come: {:?}", self.app.messages);
+                assert!(self.app.status.failed.is_none(), "{:?}", self.app.status.failed);
+                assert!(
+                    start.elapsed() < Duration::from_secs(60),
+                    "{what} did not come: {:?}",
+                    self.app.status.messages
+                );
                 std::thread::sleep(Duration::from_millis(1));
             }
         }
@@ -248,13 +252,13 @@ mod tests {
     fn a_session_with_keys_and_a_click() {
         let mut rig = Rig::new("flat");
         rig.until("both sides against the reference", |app| app.sides.iter().all(|s| s.quality.is_some()));
-        assert!(rig.app.tried.len() == 2 && rig.app.saved().contains(&"trace"), "{:?}", rig.app.saved());
+        assert!(rig.app.comparison.tried.len() == 2 && rig.app.saved().contains(&"trace"), "{:?}", rig.app.saved());
         // Space flips, B takes the divider away and brings it back, brackets move it.
         assert!(rig.app.shows(0) && rig.app.shows(1));
         rig.key(egui::Key::Space, Modifiers::NONE);
-        assert_eq!(rig.app.alone, Some(1));
+        assert_eq!(rig.app.look.alone, Some(1));
         rig.key(egui::Key::Space, Modifiers::NONE);
-        assert_eq!(rig.app.alone, Some(0));
+        assert_eq!(rig.app.look.alone, Some(0));
         rig.key(egui::Key::B, Modifiers::NONE);
         rig.key(egui::Key::B, Modifiers::NONE);
         assert!(rig.app.shows(0) && rig.app.shows(1));
@@ -286,10 +290,10 @@ mod tests {
         // What is larger than its place is moved, by keys and by the right button, up to its rim; the camera stays.
         rig.key(egui::Key::ArrowLeft, Modifiers::NONE);
         rig.frame();
-        assert_eq!(rig.app.pan, egui::Vec2::ZERO);
-        rig.app.scale = Some(30.0);
+        assert_eq!(rig.app.look.pan, egui::Vec2::ZERO);
+        rig.app.look.scale = Some(30.0);
         rig.key(egui::Key::ArrowLeft, Modifiers::NONE);
-        assert_eq!(rig.app.pan, egui::vec2(40.0, 0.0));
+        assert_eq!(rig.app.look.pan, egui::vec2(40.0, 0.0));
         let middle = pos2(640.0, 400.0);
         let button = |pos, pressed| Event::PointerButton {
             pos,
@@ -307,8 +311,8 @@ mod tests {
             rig.frame();
         }
         let room = (48.0 * 30.0 - rig.app.place[0] as f32) / 2.0;
-        assert_eq!((rig.app.pan, rig.app.camera), (egui::vec2(room, 5.0), home));
-        rig.app.scale = None;
+        assert_eq!((rig.app.look.pan, rig.app.camera), (egui::vec2(room, 5.0), home));
+        rig.app.look.scale = None;
         // All debug views are in the list, to the last; Escape closes it.
         let rays = |rig: &Rig| rig.texts().filter(|(text, _)| *text == "rays").count();
         let closed = rays(&rig);
@@ -334,7 +338,7 @@ mod tests {
             rig.app.open(wrong);
             rig.app.dialog = None;
             rig.until("the reason", |app| app.dialog.is_some());
-            assert!(rig.app.messages.iter().any(|m| m.contains(wrong)), "{:?}", rig.app.messages);
+            assert!(rig.app.status.messages.iter().any(|m| m.contains(wrong)), "{:?}", rig.app.status.messages);
             assert_eq!(rig.app.scene_name(), "flat");
         }
         rig.app.dialog = None;
@@ -360,7 +364,7 @@ mod tests {
         // More than the device has: refused, and what was there goes on.
         rig.app.options = Options { width: 16_384, height: 16_384, m: 8, ..rig.app.options };
         rig.until("the reason", |app| app.dialog.is_some());
-        assert!(rig.app.messages.iter().any(|m| m.starts_with("not possible")), "{:?}", rig.app.messages);
+        assert!(rig.app.status.messages.iter().any(|m| m.starts_with("not possible")), "{:?}", rig.app.status.messages);
     }
 
     /// Text of twice the size is a window of half as many points.
@@ -429,7 +433,7 @@ mod tests {
             }
         }
         let (first, last) = (seen[0], *seen.last().unwrap());
-        assert_eq!(rig.app.messages.len(), 1, "{:?}", rig.app.messages);
+        assert_eq!(rig.app.status.messages.len(), 1, "{:?}", rig.app.status.messages);
         if let (Some(first), Some(last)) = (first.0, last.0) {
             assert!(last <= first + (1 << 20), "bytes on the device: {seen:?}");
         }
@@ -481,8 +485,8 @@ mod tests {
             rig.app.set(0, "windowed.luminance_scale", json!(round)).unwrap();
             rig.until("a picture again", |app| app.shown_is_wanted(0));
             assert_eq!(rig.app.sides[0].rendered.as_ref().unwrap().picture.rgba, before.rgba, "round {round}");
-            let lost = rig.app.messages.iter().filter(|m| m.contains("the graphics device was lost")).count();
-            assert_eq!(lost, 1, "{:?}", rig.app.messages);
+            let lost = rig.app.status.messages.iter().filter(|m| m.contains("the graphics device was lost")).count();
+            assert_eq!(lost, 1, "{:?}", rig.app.status.messages);
         }
     }
 
@@ -494,9 +498,9 @@ mod tests {
         rig.until("a picture", |app| app.sides[0].rendered.is_some());
         rig.app.set(0, "windowed.luminance_scale", json!(12)).unwrap();
         let ctx = rig.ctx.clone();
-        rig.app.heard(&ctx, worker::Event::Failed("the device is gone for good".to_owned()));
+        rig.app.heard(&ctx, renderer::Event::Failed("the device is gone for good".to_owned()));
         rig.frame();
-        assert_eq!(rig.app.failed.as_deref(), Some("the device is gone for good"));
+        assert_eq!(rig.app.status.failed.as_deref(), Some("the device is gone for good"));
         let (kept, trouble) = Kept::load(&path);
         assert_eq!((kept.settings[0].windowed.luminance_scale, trouble), (12.0, None));
         std::fs::remove_dir_all(folder).unwrap();
@@ -526,9 +530,9 @@ mod tests {
         rig.dropped = vec![Arc::new(Dropped(bad))];
         rig.until("the reason", |app| app.dialog.is_some());
         assert!(
-            rig.app.messages.iter().any(|m| m.starts_with("not opened") && m.contains("bad.gltf")),
+            rig.app.status.messages.iter().any(|m| m.starts_with("not opened") && m.contains("bad.gltf")),
             "{:?}",
-            rig.app.messages
+            rig.app.status.messages
         );
         assert_eq!(rig.app.scene_name(), "flat");
         rig.key(egui::Key::Escape, Modifiers::NONE);
@@ -557,7 +561,7 @@ mod tests {
         // This process is no viewer, and says so.
         rig.app.begin_report(&folder);
         rig.until("the trouble", |app| app.dialog.is_some());
-        let said = rig.app.messages.last().unwrap();
+        let said = rig.app.status.messages.last().unwrap();
         assert!(said.contains("the report ended with") && said.contains("quick"), "{said}");
         // In the same frame: no other may come before the next input.
         assert!(rig.texts().any(|(text, _)| text.contains("the report ended with")));

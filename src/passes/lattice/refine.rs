@@ -57,14 +57,6 @@ pub(crate) static RAYS: PassData = PassData {
         Binding::update(2, "daa_shadows", Slot::Part(Part::Shadows)),
         Binding::update(3, "daa_secondary", Slot::Part(Part::Secondary)),
     ],
-    stages: &[
-        Stage {
-            entry: "daa_refine_judge",
-            grid: Grid::Parents,
-            // Both stand beside the points.
-            without: &["daa_shadows", "daa_secondary"],
-        },
-        Stage::new("daa_refine_main", Grid::Cells),
-    ],
+    stages: &[Stage::new("daa_refine_judge", Grid::Parents), Stage::new("daa_refine_main", Grid::Cells)],
     rounds: Rounds::Once,
 };

@@ -106,7 +106,7 @@ pub enum Problem {
         vertices: usize,
     },
     /// A picture that a drawn material needs and that cannot be had.
-    #[error("{place}: {reason}; supply it as PNG or JPEG, at most {} texels a side", super::images::MAX_SIDE)]
+    #[error("{place}: {reason}; supply it as PNG or JPEG, at most {} texels a side", super::limits::MAX_SIDE)]
     Image {
         /// The image.
         place: String,

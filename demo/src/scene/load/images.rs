@@ -11,11 +11,9 @@ use image::{ImageReader, Limits};
 
 use super::accessor::Document;
 use super::error::Problem;
-use super::label;
+use super::limits::{MAX_SIDE, label};
 use crate::scene::Image;
 
-/// Larger pictures are refused, as most GPUs would.
-pub(super) const MAX_SIDE: u32 = 16384;
 /// Of one picture, while it is decoded.
 const MAX_BYTES: u64 = 1 << 30;
 /// Of all pictures together.

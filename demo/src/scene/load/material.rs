@@ -12,7 +12,7 @@ use gltf::json::{Index, Root};
 use serde_json::{Map, Value};
 
 use super::error::Problem;
-use super::label;
+use super::limits::label;
 use crate::scene::{Material, Texture, TextureRef, Wrap};
 
 /// Emission beyond this is taken for a mistake; it still leaves room for any lamp.

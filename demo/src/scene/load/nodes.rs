@@ -8,7 +8,7 @@ use gltf::json::{Index, extensions};
 
 use super::accessor::Document;
 use super::error::Problem;
-use super::label;
+use super::limits::{MAX_INSTANCES, label};
 
 /// Larger elements would overflow as soon as they are multiplied.
 const MAX_ELEMENT: f32 = 1e30;
@@ -119,8 +119,8 @@ pub(super) fn copies(document: &Document, node: &Node, place: &str, world: Mat4)
     let given = || [&translations, &rotations, &scales].into_iter().flatten();
     // Attributes of other names alone make no copies.
     let Some(count) = given().map(|elements| elements.len()).min() else { return Ok(vec![world]) };
-    if count > super::MAX_INSTANCES {
-        return Err(Problem::TooLarge { what: format!("{place}: the instances"), limit: super::MAX_INSTANCES });
+    if count > MAX_INSTANCES {
+        return Err(Problem::TooLarge { what: format!("{place}: the instances"), limit: MAX_INSTANCES });
     }
 
     let mut matrices = Vec::with_capacity(count);

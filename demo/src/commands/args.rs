@@ -1,0 +1,217 @@
+//! Arguments that several commands take, and what they open.
+
+use super::error::{CommandError, wrong};
+use crate::host::gpu::{self, Gpu};
+use crate::host::raster::look_at;
+use crate::host::{self, Host, Options};
+use crate::names::did_you_mean;
+use crate::scene::open::open;
+use crate::scene::{Camera, Scene};
+use deferred_aa::rays::RayTier;
+use deferred_aa::{Preset, Technique, TextureTier};
+use glam::Vec3;
+use std::path::PathBuf;
+
+/// What to look at, at which size and m: shared by all commands that render one m.
+#[derive(Debug, Clone, clap::Args)]
+pub struct ViewArgs {
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Samples along one side of a pixel's window, 1 to 8.
+    #[arg(long, short, default_value_t = 4)]
+    pub m: u32,
+}
+
+/// What to look at, and at which size: shared by all commands that render.
+#[derive(Debug, Clone, clap::Args)]
+pub struct SceneArgs {
+    /// A built-in scene (atrium, fence, checker, spheres, cornell, shadows, mirrors, flat, empty) or a .gltf or .glb file.
+    #[arg(long, default_value = "atrium")]
+    pub scene: String,
+    /// Which scene of a glTF file that has several, from 0; its default scene if not given.
+    #[arg(long)]
+    pub scene_index: Option<usize>,
+    /// Pixels, WIDTHxHEIGHT.
+    #[arg(long, default_value = "960x540", value_parser = parse_size)]
+    pub size: (u32, u32),
+    /// x,y,z,tx,ty,tz[,fov]: from where, to where, vertical field of view in degrees; else the scene's own camera, or one
+    /// that frames it.
+    #[arg(long, allow_hyphen_values = true, value_parser = parse_camera)]
+    pub camera: Option<CameraArg>,
+    /// Runs the light loop this often, to stand for costly shading.
+    #[arg(long, default_value_t = 1)]
+    pub stall: u32,
+    /// How textures are reached: arrays (plain WebGPU limits) or bindings (binding arrays).
+    #[arg(long, default_value = "arrays")]
+    pub textures: TextureArg,
+    /// Who traces rays: software (WGSL, on any adapter) or query (the adapter's ray query).
+    #[arg(long, default_value = "software")]
+    pub rays: RayArg,
+    /// Of texture reads, 1 to 16.
+    #[arg(long, default_value_t = 16)]
+    pub anisotropy: u16,
+    /// Part of the adapter's name; `adapters` lists them.
+    #[arg(long)]
+    pub adapter: Option<String>,
+    /// Where results go; made if it is not there. The last one given counts.
+    #[arg(long, overrides_with = "out")]
+    pub out: PathBuf,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum TextureArg {
+    Arrays,
+    Bindings,
+}
+
+impl TextureArg {
+    pub fn tier(self) -> TextureTier {
+        match self {
+            Self::Arrays => TextureTier::Arrays,
+            Self::Bindings => TextureTier::Bindings,
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum RayArg {
+    Software,
+    Query,
+}
+
+impl RayArg {
+    pub fn tier(self) -> RayTier {
+        match self {
+            Self::Software => RayTier::Software,
+            Self::Query => RayTier::Query,
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CameraArg {
+    pub eye: Vec3,
+    pub target: Vec3,
+    pub fov_y: f32,
+}
+
+/// The scene, device and camera of a view, before anything of its size is made.
+pub struct Opened {
+    pub scene: Scene,
+    pub gpu: Gpu,
+    pub camera: Camera,
+}
+
+impl ViewArgs {
+    /// Opens the scene in a host, with the camera. Notices go to stderr.
+    pub fn open(&self) -> Result<(Host, Camera), CommandError> {
+        let m = check_m(self.m)?;
+        let args = &self.scene;
+        let Opened { scene, gpu, camera } = args.open(m)?;
+        let (width, height) = args.size;
+        let textures = args.textures.tier();
+        let options = Options {
+            width,
+            height,
+            m,
+            textures,
+            stall: args.stall,
+            anisotropy: args.anisotropy,
+            rays: args.rays.tier(),
+        };
+        let host = Host::new(gpu, scene, options)?;
+        note(&host);
+        Ok((host, camera))
+    }
+}
+
+impl SceneArgs {
+    /// Opens the scene, a device for nodes of this m, and the camera, and makes the folder for results.
+    pub fn open(&self, m: u32) -> Result<Opened, CommandError> {
+        if !(1..=16).contains(&self.anisotropy) {
+            return Err(wrong("--anisotropy", format!("{} is not in 1 to 16", self.anisotropy)));
+        }
+        if self.stall == 0 {
+            return Err(wrong("--stall", "0 would not light anything: 1 or more".to_owned()));
+        }
+        let scene = open(&self.scene, self.scene_index)?;
+        std::fs::create_dir_all(&self.out)
+            .map_err(|e| wrong("--out", format!("{}: {e}; name a folder that can be made", self.out.display())))?;
+        let adapter = gpu::choose(self.adapter.as_deref())?;
+        let gpu = Gpu::new(adapter, &host::descriptor(m, self.textures.tier(), self.rays.tier()))?;
+        let own = scene.default_camera();
+        let camera = self.camera.map_or(own, |c| look_at(c.eye, c.target, c.fov_y, own.near));
+        Ok(Opened { scene, gpu, camera })
+    }
+}
+
+/// Prints the notices about the scene to stderr.
+fn note(host: &Host) {
+    for notice in host.scene.notices.iter().chain(&host.uploaded.notices) {
+        eprintln!("note: {notice}");
+    }
+}
+
+pub fn check_m(m: u32) -> Result<u32, CommandError> {
+    if (1..=deferred_aa::window::MAX_M).contains(&m) {
+        Ok(m)
+    } else {
+        Err(wrong("--m", format!("{m} is not in 1 to 8")))
+    }
+}
+
+pub fn parse_size(text: &str) -> Result<(u32, u32), String> {
+    let cure = || format!("'{text}' is no size: write WIDTHxHEIGHT in pixels, such as 1024x768");
+    let (w, h) = text.split_once(['x', '×']).ok_or_else(cure)?;
+    match (w.parse(), h.parse()) {
+        (Ok(w), Ok(h)) if w > 0 && h > 0 => Ok((w, h)),
+        _ => Err(cure()),
+    }
+}
+
+pub fn parse_camera(text: &str) -> Result<CameraArg, String> {
+    let numbers: Result<Vec<f32>, _> = text.split(',').map(|n| n.trim().parse::<f32>()).collect();
+    let numbers = numbers
+        .ok()
+        .filter(|n| (n.len() == 6 || n.len() == 7) && n.iter().all(|v| v.is_finite()))
+        .ok_or_else(|| format!("'{text}' is no camera: write x,y,z,tx,ty,tz or x,y,z,tx,ty,tz,fov"))?;
+    let fov = numbers.get(6).copied().unwrap_or(60.0);
+    let (eye, target) = (Vec3::from_slice(&numbers), Vec3::from_slice(&numbers[3..]));
+    if !(1.0..=170.0).contains(&fov) {
+        return Err(format!("field of view {fov} must lie in 1 to 170 degrees"));
+    }
+    if eye == target {
+        return Err("the camera looks at its own place: move the target".to_owned());
+    }
+    Ok(CameraArg { eye, target, fov_y: fov.to_radians() })
+}
+
+pub fn parse_preset(text: &str) -> Result<Preset, String> {
+    match text {
+        "fast" => Ok(Preset::Fast),
+        "balanced" => Ok(Preset::Balanced),
+        "quality" => Ok(Preset::Quality),
+        _ => {
+            let meant = did_you_mean(text, &["fast", "balanced", "quality"]);
+            Err(format!("no preset '{text}':{meant} choose fast, balanced or quality"))
+        }
+    }
+}
+
+pub fn parse_technique(text: &str) -> Result<Technique, String> {
+    match text {
+        "full" => Ok(Technique::Full),
+        "single" => Ok(Technique::Single),
+        "windowed" => Ok(Technique::Windowed),
+        "reconstructed" => Ok(Technique::Reconstructed),
+        "selective" => Ok(Technique::Selective),
+        "multiresolution" => Ok(Technique::MultiResolution),
+        _ => {
+            let meant =
+                did_you_mean(text, &["full", "single", "windowed", "reconstructed", "selective", "multiresolution"]);
+            Err(format!(
+                "no technique '{text}':{meant} choose full, single, windowed, reconstructed, selective or multiresolution"
+            ))
+        }
+    }
+}

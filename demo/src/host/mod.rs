@@ -1,0 +1,531 @@
+//! The demo as a host: a scene, a node and a target, frame by frame.
+
+pub mod gpu;
+#[cfg(test)]
+mod layouts;
+pub mod mips;
+pub mod raster;
+pub mod rays;
+pub mod upload;
+
+use crate::picture::Picture;
+use crate::scene::{Camera, Material, Scene, Sun};
+use deferred_aa::rays::{RayError, RayTier};
+use deferred_aa::{
+    BuildError, CastingLight, DebugView, DeferredAa, Descriptor, Effect, Frame, GBuffer, Needs, ObjectImportance, Pass,
+    RecordError, Settings, Shading, SizeError, Statistics, TILE, Technique, TextureTier,
+};
+use glam::Vec3;
+use gpu::Gpu;
+use raster::{Raster, node_camera};
+use rays::Rays;
+use upload::{GpuScene, UploadError};
+
+/// The format of the target: linear HDR, as most engines have it.
+pub const TARGET_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+
+/// The most textures of a scene on the binding tier.
+pub const TEXTURE_CAPACITY: u32 = 1024;
+
+/// material.wgsl and shading.wgsl: the host's WGSL.
+pub const SHADING_WGSL: &str = concat!(include_str!("material.wgsl"), "\n", include_str!("shading.wgsl"));
+
+/// The options that are fixed for a run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Options {
+    /// Width of the picture in pixels.
+    pub width: u32,
+    /// Height of the picture in pixels.
+    pub height: u32,
+    /// Samples along one side of a window.
+    pub m: u32,
+    /// How textures are reached.
+    pub textures: TextureTier,
+    /// How often the light loop runs.
+    pub stall: u32,
+    /// Anisotropy of texture reads, 1 to 16.
+    pub anisotropy: u16,
+    /// The tier that traces rays.
+    pub rays: RayTier,
+}
+
+/// A host with a scene loaded.
+#[derive(Debug)]
+pub struct Host {
+    /// The device.
+    pub gpu: Gpu,
+    /// The node.
+    pub aa: DeferredAa,
+    /// The scene as it was loaded.
+    pub scene: Scene,
+    /// The scene on the GPU.
+    pub uploaded: GpuScene,
+    /// The options that it was built with.
+    pub options: Options,
+    /// Materials that reflect or refract.
+    bouncing: Vec<u32>,
+    /// Materials with a texture.
+    textured: Vec<u32>,
+    /// Importance of objects, for `Settings::selective.focused`.
+    pub importance: Vec<ObjectImportance>,
+    /// The scene for rays, there from the first frame that traces.
+    pub rays: Option<Rays>,
+    raster: Raster,
+    host_bind_group: wgpu::BindGroup,
+    lighting: wgpu::Buffer,
+    lighting_values: Lighting,
+    target: wgpu::Texture,
+    target_view: wgpu::TextureView,
+}
+
+/// A rendered frame.
+#[derive(Debug, Clone)]
+pub struct Shot {
+    /// The statistics of the node.
+    pub statistics: Statistics,
+    /// The G-buffer pass, in milliseconds.
+    pub gbuffer_ms: Option<f64>,
+}
+
+/// A frame could not be rendered.
+#[derive(Debug, thiserror::Error)]
+pub enum HostError {
+    /// The node could not be built.
+    #[error(transparent)]
+    Build(#[from] BuildError),
+    /// The size is out of bounds.
+    #[error(transparent)]
+    Size(#[from] SizeError),
+    /// The scene does not fit.
+    #[error(transparent)]
+    Upload(#[from] UploadError),
+    /// The frame was refused.
+    #[error(transparent)]
+    Record(#[from] RecordError),
+    /// Rays can't be traced through the scene.
+    #[error(transparent)]
+    Rays(#[from] RayError),
+    /// wgpu complained.
+    #[error("the graphics driver refused the frame: {0}")]
+    Device(String),
+    /// Statistics did not arrive.
+    #[error("the device returned no statistics; it may have been lost")]
+    NoStatistics,
+    /// The device is gone.
+    #[error("the graphics device was lost ({0}); start again, with a smaller --size or --m if it was out of memory")]
+    Lost(String),
+    /// An image that a peer was not made for.
+    #[error("{peer}: the image is {}x{}, the peers are for {}x{}: make them anew", image.0, image.1, size.0, size.1)]
+    PeerSize {
+        /// Its name.
+        peer: &'static str,
+        /// Width and height of the image.
+        image: (u32, u32),
+        /// Width and height that the peers are for.
+        size: (u32, u32),
+    },
+}
+
+#[repr(C)]
+#[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+pub(crate) struct Lighting {
+    pub(crate) to_sun: [f32; 3],
+    pub(crate) light_count: u32,
+    pub(crate) sun: [f32; 3],
+    pub(crate) stall: u32,
+    pub(crate) zenith: [f32; 4],
+    pub(crate) horizon: [f32; 4],
+    pub(crate) ground: [f32; 4],
+    pub(crate) camera: [f32; 3],
+    pub(crate) sun_casts: u32,
+}
+
+/// The descriptor of the demo's nodes.
+pub fn descriptor(m: u32, textures: TextureTier, rays: RayTier) -> Descriptor<'static> {
+    Descriptor {
+        m,
+        target_format: TARGET_FORMAT,
+        shading: Shading { source: SHADING_WGSL, file: "demo/src/host/shading.wgsl" },
+        textures,
+        texture_capacity: TEXTURE_CAPACITY,
+        rays: Some(rays),
+    }
+}
+
+fn host_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+    let buffer = |binding, ty| wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::COMPUTE,
+        ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None },
+        count: None,
+    };
+    let storage = wgpu::BufferBindingType::Storage { read_only: true };
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: Some("shading"),
+        entries: &[buffer(0, wgpu::BufferBindingType::Uniform), buffer(1, storage), buffer(2, storage)],
+    })
+}
+
+/// Makes a target with `TEXTURE_BINDING`, so that a pass of the host's own can read it.
+fn target(device: &wgpu::Device, width: u32, height: u32) -> (wgpu::Texture, wgpu::TextureView) {
+    let texture = device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("target"),
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: TARGET_FORMAT,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT
+            | wgpu::TextureUsages::COPY_SRC
+            | wgpu::TextureUsages::TEXTURE_BINDING,
+        view_formats: &[],
+    });
+    let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+    (texture, view)
+}
+
+impl HostError {
+    /// The device is gone, and with it all that is on it.
+    pub fn is_loss(&self) -> bool {
+        matches!(self, Self::Lost(_) | Self::NoStatistics)
+    }
+}
+
+impl Host {
+    /// Builds the node, uploads the scene.
+    pub fn new(gpu: Gpu, scene: Scene, options: Options) -> Result<Self, HostError> {
+        let device = &gpu.device;
+        let layout = host_layout(device);
+        let mut aa = DeferredAa::new(device, &descriptor(options.m, options.textures, options.rays), Some(&layout))?;
+        aa.resize(device, options.width, options.height)?;
+        let uploaded = GpuScene::new(device, &gpu.queue, &aa, &scene, options.anisotropy)?;
+        let raster = Raster::new(device, &aa, options.textures, &scene, &uploaded);
+        let lighting = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("lighting"),
+            size: size_of::<Lighting>() as u64,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let values = Lighting {
+            to_sun: [0.0; 3],
+            light_count: uploaded.light_count,
+            sun: [0.0; 3],
+            stall: options.stall.max(1),
+            zenith: scene.sky.zenith.extend(0.0).to_array(),
+            horizon: scene.sky.horizon.extend(0.0).to_array(),
+            ground: scene.sky.ground.extend(0.0).to_array(),
+            camera: [0.0; 3],
+            sun_casts: rays::sun_bit(&scene),
+        };
+        let host_bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("shading"),
+            layout: &layout,
+            entries: &[
+                wgpu::BindGroupEntry { binding: 0, resource: lighting.as_entire_binding() },
+                wgpu::BindGroupEntry { binding: 1, resource: uploaded.lights.as_entire_binding() },
+                wgpu::BindGroupEntry { binding: 2, resource: uploaded.materials.as_entire_binding() },
+            ],
+        });
+        let (target, target_view) = target(device, options.width, options.height);
+        let sun = scene.sun;
+        let mut host = Self {
+            aa,
+            bouncing: rays::bouncing(&scene),
+            textured: textured(&scene),
+            importance: Vec::new(),
+            scene,
+            uploaded,
+            options,
+            rays: None,
+            raster,
+            host_bind_group,
+            lighting,
+            lighting_values: values,
+            target,
+            target_view,
+            gpu,
+        };
+        host.set_sun(sun);
+        host.complaints()?;
+        Ok(host)
+    }
+
+    /// Renders the G-buffer and records the node, then waits for both. The image is in the target: see
+    /// [`picture`](Self::picture).
+    pub fn frame(&mut self, camera: &Camera, settings: Settings) -> Result<Shot, HostError> {
+        self.frame_with(node_camera(camera, self.options.width, self.options.height), settings)
+    }
+
+    /// [`frame`](Self::frame) by a camera that may be off-centre, such as part of another's picture.
+    pub fn frame_with(&mut self, camera: deferred_aa::Camera, settings: Settings) -> Result<Shot, HostError> {
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        if let Some(gbuffer) = self.aa.gbuffer() {
+            self.raster.record(&self.gpu.queue, &mut encoder, &self.scene, &self.uploaded, &camera, gbuffer);
+        }
+        let statistics = self.shade(encoder, camera, settings, DeferredAa::record)?;
+        Ok(Shot { statistics, gbuffer_ms: self.raster.milliseconds(&self.gpu) })
+    }
+
+    /// [`frame`](Self::frame) that `record` records in place of [`DeferredAa::record`]: for graphs that order passes themselves.
+    pub fn frame_by(
+        &mut self,
+        camera: &Camera,
+        settings: Settings,
+        record: impl FnOnce(&mut DeferredAa, &wgpu::Queue, &mut wgpu::CommandEncoder, &Frame<'_>) -> Result<(), RecordError>,
+    ) -> Result<Statistics, HostError> {
+        let camera = node_camera(camera, self.options.width, self.options.height);
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        if let Some(gbuffer) = self.aa.gbuffer() {
+            self.raster.record(&self.gpu.queue, &mut encoder, &self.scene, &self.uploaded, &camera, gbuffer);
+        }
+        self.shade(encoder, camera, settings, record)
+    }
+
+    /// [`frame`](Self::frame) over the last frame's G-buffer, which must be of the same camera: for many settings on one
+    /// view.
+    pub fn shade_again(&mut self, camera: &Camera, settings: Settings) -> Result<Shot, HostError> {
+        let encoder = self.gpu.device.create_command_encoder(&Default::default());
+        let camera = node_camera(camera, self.options.width, self.options.height);
+        Ok(Shot { statistics: self.shade(encoder, camera, settings, DeferredAa::record)?, gbuffer_ms: None })
+    }
+
+    /// Records the node, submits, waits.
+    fn shade(
+        &mut self,
+        mut encoder: wgpu::CommandEncoder,
+        camera: deferred_aa::Camera,
+        settings: Settings,
+        record: impl FnOnce(&mut DeferredAa, &wgpu::Queue, &mut wgpu::CommandEncoder, &Frame<'_>) -> Result<(), RecordError>,
+    ) -> Result<Statistics, HostError> {
+        self.lighting_values.camera = camera.world_from_view.w_axis.truncate().to_array();
+        self.write_lighting();
+        let shadows = self.casting(settings.shadows);
+        let secondary = [settings.reflections, settings.refraction];
+        let bounces =
+            secondary.contains(&Effect::On) || (!self.bouncing.is_empty() && secondary.contains(&Effect::Auto));
+        let traces = settings.shadows == Effect::On || !shadows.is_empty() || bounces;
+        if traces {
+            let rays = match &mut self.rays {
+                Some(rays) => rays,
+                none => {
+                    let (device, queue) = (&self.gpu.device, &self.gpu.queue);
+                    none.insert(Rays::new(device, queue, self.options.rays, &self.scene)?)
+                }
+            };
+            rays.update(&self.gpu.device, &self.gpu.queue, &mut encoder, camera.world_from_view.w_axis.truncate())?;
+        }
+        let rays = self.rays.as_ref().filter(|_| traces).map(|r| &r.scene);
+        let frame = Frame {
+            needs: Needs {
+                rays,
+                shadows: &shadows,
+                bounces: &self.bouncing,
+                textured: &self.textured,
+                importance: &self.importance,
+            },
+            camera,
+            settings,
+            exposure: 1.0,
+            host_bind_group: Some(&self.host_bind_group),
+            textures: Some(&self.uploaded.table),
+            target: &self.target_view,
+            statistics: true,
+        };
+        record(&mut self.aa, &self.gpu.queue, &mut encoder, &frame)?;
+        self.gpu.queue.submit([encoder.finish()]);
+        self.gpu.wait();
+        self.complaints()?;
+        Ok(self.aa.statistics().ok_or(HostError::NoStatistics)?.clone())
+    }
+
+    /// Whether the pipelines of a frame with these settings are compiled.
+    pub fn is_ready(&self, settings: Settings) -> bool {
+        let shadows = self.casting(settings.shadows);
+        self.aa.is_ready(&settings, &Needs { shadows: &shadows, bounces: &self.bouncing, ..Default::default() })
+    }
+
+    /// The passes of a frame with these settings.
+    pub fn passes(&self, settings: &Settings) -> Vec<Pass> {
+        let shadows = self.casting(settings.shadows);
+        let needs = Needs { shadows: &shadows, bounces: &self.bouncing, ..Default::default() };
+        DeferredAa::passes(settings, &needs).collect()
+    }
+
+    /// The lights that cast shadows in a frame: those of the scene that do, and the sun if it does or is asked to.
+    fn casting(&self, shadows: Effect) -> Vec<CastingLight> {
+        match shadows {
+            Effect::Off => Vec::new(),
+            Effect::Auto => rays::casting_lights(&self.scene, self.scene.sun.is_some_and(|s| s.casts)),
+            Effect::On => rays::casting_lights(&self.scene, true),
+        }
+    }
+
+    /// Changes the output size. The picture is lost.
+    pub fn resize(&mut self, width: u32, height: u32) -> Result<(), HostError> {
+        self.aa.resize(&self.gpu.device, width, height)?;
+        (self.target, self.target_view) = target(&self.gpu.device, width, height);
+        (self.options.width, self.options.height) = (width, height);
+        self.complaints()
+    }
+
+    /// Runs the light loop this often from the next frame on, at least once.
+    pub fn set_stall(&mut self, stall: u32) {
+        self.options.stall = stall.max(1);
+        self.lighting_values.stall = self.options.stall;
+    }
+
+    /// Lights the scene with this sun from the next frame on, or with none.
+    pub fn set_sun(&mut self, sun: Option<Sun>) {
+        self.scene.sun = sun;
+        let (to_sun, irradiance) = sun.map_or((Vec3::Y, Vec3::ZERO), |s| (s.to_sun, s.irradiance));
+        self.lighting_values.to_sun = to_sun.to_array();
+        self.lighting_values.sun = irradiance.to_array();
+    }
+
+    /// Lights the scene with its first `count` lights only, from the next frame on.
+    pub fn set_light_count(&mut self, count: u32) {
+        self.lighting_values.light_count = count.min(self.uploaded.light_count);
+    }
+
+    fn write_lighting(&self) {
+        self.gpu.queue.write_buffer(&self.lighting, 0, bytemuck::bytes_of(&self.lighting_values));
+    }
+
+    /// The target: linear HDR in [`TARGET_FORMAT`], the image of the last frame.
+    pub fn target(&self) -> &wgpu::TextureView {
+        &self.target_view
+    }
+
+    /// The target's content. Waits.
+    pub fn picture(&self) -> Picture {
+        let bytes = self.gpu.read_texture(&self.target, 8);
+        let halves = bytes.as_chunks::<2>().0.iter().map(|&b| half::f16::from_le_bytes(b).to_f32());
+        let rgba = halves.collect::<Vec<_>>().as_chunks::<4>().0.to_vec();
+        Picture { width: self.options.width, height: self.options.height, rgba }
+    }
+
+    /// Pixels whose window holds two objects, materials or a crease: where aliasing lives. A crease is an angle between
+    /// normals of more than 18°.
+    pub fn edge_mask(&self) -> Vec<bool> {
+        let surface = self.surfaces();
+        if surface.is_empty() {
+            return Vec::new();
+        }
+        let m = self.options.m as usize;
+        let (width, height) = (self.options.width as usize, self.options.height as usize);
+        let mut mask = Vec::with_capacity(width * height);
+        for y in 0..height {
+            for x in 0..width {
+                let sample = |i: usize| surface[(y * m + i / m) * width * m + x * m + i % m];
+                let first = sample(0);
+                let normal = octahedral(first[0]);
+                mask.push((1..m * m).any(|i| {
+                    let s = sample(i);
+                    s[1] != first[1] || octahedral(s[0]).dot(normal) < 0.951
+                }));
+            }
+        }
+        mask
+    }
+
+    /// The first target of the last frame's G-buffer, rows from the top: normal (octahedral 16+16), material and object.
+    /// Waits.
+    pub fn surfaces(&self) -> Vec<[u32; 2]> {
+        let read = |g: &GBuffer| self.gpu.read_texture(g.color[0].texture(), 8);
+        self.aa.gbuffer().map_or(Vec::new(), |g| bytemuck::pod_collect_to_vec(&read(g)))
+    }
+
+    /// The depth target of the last frame's G-buffer, rows from the top: reversed z, 0 is the sky. Waits.
+    pub fn depths(&self) -> Vec<f32> {
+        let read = |g: &GBuffer| self.gpu.read_texture(g.depth.texture(), 4);
+        self.aa.gbuffer().map_or(Vec::new(), |g| bytemuck::pod_collect_to_vec(&read(g)))
+    }
+
+    /// k of each pixel in the last frame, whose technique is given.
+    pub fn counts(&self, technique: Technique) -> Vec<u32> {
+        let (width, height) = (self.options.width, self.options.height);
+        let uniform = |k| vec![k; (width * height) as usize];
+        match (technique, self.aa.intermediates()) {
+            (Technique::Full, _) => uniform(self.options.m * self.options.m),
+            (Technique::Single, _) | (_, None) => uniform(1),
+            (_, Some(_)) => self.plan().into_iter().map(|word| word & 0xff).collect(),
+        }
+    }
+
+    /// The last frame's plan, rows from the top: [`deferred_aa::Intermediates::plan`]. Waits.
+    pub fn plan(&self) -> Vec<u32> {
+        let Some(passed) = self.aa.intermediates() else { return Vec::new() };
+        let plan: Vec<u32> = bytemuck::pod_collect_to_vec(&self.gpu.read_buffer(passed.plan));
+        let (width, height) = (self.options.width, self.options.height);
+        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        pixels.map(|(x, y)| plan[passed.plan_index(x, y)]).collect()
+    }
+
+    /// The rays that each sample of the last frame sent, which showed [`DebugView::Rays`]: pixel by pixel from the top, by rank. Empty where
+    /// was traced. Waits.
+    pub fn sent(&self, traced: [bool; 2]) -> Vec<Sent> {
+        let Some(passed) = self.aa.intermediates().filter(|_| traced != [false; 2]) else { return Vec::new() };
+        let read = |buffer: Option<&wgpu::Buffer>, is: bool| -> Vec<u32> {
+            buffer.filter(|_| is).map_or(Vec::new(), |b| bytemuck::pod_collect_to_vec(&self.gpu.read_buffer(b)))
+        };
+        let (shadows, secondary) = (read(passed.shadows, traced[0]), read(passed.secondary, traced[1]));
+        let n = (self.options.m * self.options.m) as usize;
+        let slots = (passed.tiles[0] * passed.tiles[1] * TILE * TILE) as usize;
+        let (width, height) = (self.options.width, self.options.height);
+        let mut sent = Vec::with_capacity((width * height) as usize * n);
+        for slot in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| passed.plan_index(x, y)) {
+            sent.extend((0..n).map(|rank| {
+                let shadow = shadows.get((n + rank) * slots + slot).copied().unwrap_or(0);
+                let others = secondary.get((n + 6 + rank) * slots + slot).copied().unwrap_or(0);
+                Sent { shadow: shadow as u8, mirrored: others as u8, refracted: (others >> 16) as u8 }
+            }));
+        }
+        sent
+    }
+
+    /// [`counts`](Self::counts) of the last frame, which had these settings; its picture is gone then.
+    pub fn sample_map(&mut self, camera: deferred_aa::Camera, settings: Settings) -> Result<Vec<u32>, HostError> {
+        let lattices = settings.technique == Technique::MultiResolution && !settings.multi_resolution.supersampled;
+        if lattices && settings.view == DebugView::Image {
+            // Only a view writes down what was shaded.
+            self.frame_with(camera, Settings { view: DebugView::Levels, ..settings })?;
+        }
+        Ok(self.counts(settings.technique))
+    }
+
+    fn complaints(&self) -> Result<(), HostError> {
+        if let Some(why) = self.gpu.lost() {
+            return Err(HostError::Lost(why));
+        }
+        self.gpu.complaint().map_or(Ok(()), |complaint| Err(HostError::Device(complaint)))
+    }
+}
+
+/// Rays that a sample sent.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Sent {
+    /// Rays towards lights.
+    pub shadow: u8,
+    /// Rays that were reflected.
+    pub mirrored: u8,
+    /// Rays that were refracted.
+    pub refracted: u8,
+}
+
+/// The materials that read a texture for more than their occlusion.
+fn textured(scene: &Scene) -> Vec<u32> {
+    let reads = |m: &Material| {
+        let maps = [&m.base_color_texture, &m.metallic_roughness_texture, &m.normal_texture, &m.emissive_texture];
+        maps.into_iter().any(Option::is_some)
+    };
+    (0..).zip(&scene.materials).filter(|(_, m)| reads(m)).map(|(i, _)| i).collect()
+}
+
+/// The unit vector of a 16+16-bit code of the G-buffer.
+pub(crate) fn octahedral(code: u32) -> Vec3 {
+    let snorm = |c: u32| (f32::from(c as u16 as i16) / 32767.0).max(-1.0);
+    let (x, y) = (snorm(code), snorm(code >> 16));
+    let z = 1.0 - x.abs() - y.abs();
+    let fold = |a: f32, b: f32| if z >= 0.0 { a } else { (1.0 - b.abs()).copysign(a) };
+    Vec3::new(fold(x, y), fold(y, x), z).normalize_or(Vec3::Z)
+}

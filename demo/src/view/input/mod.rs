@@ -1,0 +1,6 @@
+//! What the user does: keys, flying, dialogs and their answers.
+
+mod answers;
+pub mod dialog;
+pub mod fly;
+mod keys;

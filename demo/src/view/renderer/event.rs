@@ -1,0 +1,104 @@
+//! What the renderer says.
+
+use super::wanted::{Source, View};
+use crate::host::{Options, Sent, Shot};
+use crate::measure::stats::Stats;
+use crate::pass_kind;
+use crate::picture::Picture;
+use crate::scene::{Camera, Sun};
+use deferred_aa::{Pass, Settings};
+use std::sync::Arc;
+
+/// A picture, and what it cost.
+#[derive(Debug, Clone)]
+pub struct Rendered {
+    /// The view that it shows.
+    pub view: Arc<View>,
+    /// The settings that it was rendered with.
+    pub settings: Settings,
+    /// The picture in the target.
+    pub picture: Arc<Picture>,
+    /// What is compared: the picture, or where a debug view is shown, the picture that it is of.
+    pub shot: Shot,
+    /// The plan's words, row by row; empty where the technique has none.
+    pub plan: Arc<Vec<u32>>,
+    /// Everything that is counted, as `render` writes it.
+    pub stats: Option<Arc<Stats>>,
+    /// The passes of the frame, and those that it would pay for if its scene called for every effect.
+    pub passes: [Vec<Pass>; 2],
+}
+
+/// What the renderer says.
+#[derive(Debug)]
+#[expect(clippy::large_enum_variant, reason = "there are a few a second")]
+pub enum Event {
+    /// A scene is open, and the one before it is gone.
+    Opened(Box<Opened>),
+    /// A scene could not be opened, and the one before it stays.
+    NotOpened(u64, String),
+    /// The picture of a side is there.
+    Picture(usize, Box<Rendered>),
+    /// One more frame of a side was measured.
+    Measured(usize, Arc<View>, Settings, Shot),
+    /// The rays that each sample of a side's picture sent, as [`Host::sent`](crate::host::Host::sent) has them.
+    Sent(usize, Arc<View>, Settings, Arc<Vec<Sent>>),
+    /// A side's settings were refused; its last picture stays.
+    Refused(usize, Settings, String),
+    /// Frames of the reference that are done, of all.
+    Progress(u32, u32),
+    /// The reference is there.
+    Reference(Arc<View>, Settings, Arc<Picture>),
+    /// The renderer is at something else; the text is empty if it is at nothing.
+    Busy(&'static str),
+    /// The device was lost and is there again.
+    Recovered(String),
+    /// The node can't be built as wanted: the old one stays.
+    NotBuilt(Options, String),
+    /// Nothing can be rendered any more.
+    Failed(String),
+}
+
+/// What the window must know of a scene.
+#[derive(Debug)]
+pub struct Opened {
+    /// The number of this opening.
+    pub opening: u64,
+    /// The source, as it was given.
+    pub source: Source,
+    /// Its views, the default one first.
+    pub cameras: Vec<Camera>,
+    /// Half the diagonal of its bounding box, in metres.
+    pub radius: f32,
+    /// Number of lights without the sun.
+    pub lights: u32,
+    /// Its sun.
+    pub sun: Option<Sun>,
+    /// What was ignored, replaced or repaired in the file.
+    pub notices: Vec<String>,
+    /// The adapter that renders.
+    pub adapter: Adapter,
+    /// The device that renders.
+    #[cfg(test)]
+    pub device: wgpu::Device,
+}
+
+/// The adapter that renders, and what it lacks.
+#[derive(Debug, Clone, Default)]
+pub struct Adapter {
+    /// Its name, as the driver says.
+    pub name: String,
+    /// What the binding tier lacks; `None` if it is available.
+    pub no_bindings: Option<String>,
+    /// What ray queries lack; `None` if they are available.
+    pub no_ray_query: Option<String>,
+    /// Whether it has timestamps, without which there are no goals in milliseconds.
+    pub has_timestamps: bool,
+    /// The longest side of a G-buffer.
+    pub longest: u32,
+}
+
+/// Whether a frame casts rays towards lights, and whether it casts others.
+pub fn casts(shot: &Shot) -> [bool; 2] {
+    let any = |is: fn(&str) -> bool| shot.statistics.passes.iter().any(|pass| is(pass.name));
+    [any(pass_kind::traces_shadows), any(pass_kind::bounces)]
+}

@@ -1,0 +1,92 @@
+//! The host of the scene that is shown, with what it was built for and how it is lit.
+
+use super::event::{Adapter, Opened};
+use super::wanted::{Lights, Source};
+use crate::host::gpu::{self, Gpu};
+use crate::host::{self, Host, Options};
+use crate::scene::{Scene, Sun};
+use deferred_aa::rays::RayTier;
+use deferred_aa::{DeferredAa, TextureTier};
+
+/// The host, once there is one.
+pub struct Stage {
+    /// Part of the adapter's name.
+    adapter: Option<String>,
+    pub host: Option<Host>,
+    /// What the host was built for, or is to be built for first.
+    pub options: Options,
+    /// How the host is lit now.
+    pub lights: Option<Lights>,
+    own_sun: Option<Sun>,
+}
+
+impl Stage {
+    /// Without a host.
+    pub fn new(adapter: Option<String>, options: Options) -> Self {
+        Self { adapter, host: None, options, lights: None, own_sun: None }
+    }
+
+    /// Builds a host on the adapter of the present one, which stays.
+    pub fn build(&self, scene: Scene, options: Options) -> Result<Host, String> {
+        let descriptor = host::descriptor(options.m, options.textures, options.rays);
+        let adapter = match &self.host {
+            Some(host) => host.gpu.adapter.clone(),
+            None => gpu::choose(self.adapter.as_deref()).map_err(|e| e.to_string())?,
+        };
+        let gpu = Gpu::new(adapter, &descriptor).map_err(|e| e.to_string())?;
+        Host::new(gpu, scene, options).map_err(|e| e.to_string())
+    }
+
+    /// Takes a host of the present scene in place of the present one.
+    pub fn take(&mut self, host: Host) {
+        self.options = host.options;
+        self.host = Some(host);
+        self.lights = None;
+    }
+
+    /// Takes the host of another scene, and says what the window must know of it.
+    pub fn open(&mut self, host: Host, own_sun: Option<Sun>, source: &Source, opening: u64) -> Opened {
+        let notices = host.scene.notices.iter().chain(&host.uploaded.notices).cloned().collect();
+        let own = host.scene.default_camera();
+        let others = host.scene.cameras.iter().copied().filter(|c| *c != own);
+        let opened = Opened {
+            opening,
+            source: source.clone(),
+            cameras: std::iter::once(own).chain(others).collect(),
+            radius: host.scene.bounds().map_or(1.0, |b| b.radius()),
+            lights: host.uploaded.light_count,
+            sun: own_sun,
+            notices,
+            adapter: about(&host.gpu),
+            #[cfg(test)]
+            device: host.gpu.device.clone(),
+        };
+        self.own_sun = own_sun;
+        self.take(host);
+        opened
+    }
+
+    /// Lights the scene as the user has it.
+    pub fn light(&mut self, lights: Lights) {
+        if let Some(host) = &mut self.host {
+            host.set_stall(lights.stall);
+            host.set_light_count(lights.count);
+            host.set_sun(lights.sun.or(self.own_sun));
+            self.lights = Some(lights);
+        }
+    }
+}
+
+fn about(gpu: &Gpu) -> Adapter {
+    let lacks = |textures, rays| {
+        let missing = DeferredAa::requirements(&gpu.adapter, &host::descriptor(4, textures, rays)).missing;
+        (!missing.is_empty()).then(|| missing.join(", "))
+    };
+    Adapter {
+        name: gpu.adapter.get_info().name,
+        no_bindings: lacks(TextureTier::Bindings, RayTier::Software),
+        no_ray_query: lacks(TextureTier::Arrays, RayTier::Query),
+        has_timestamps: gpu.device.features().contains(wgpu::Features::TIMESTAMP_QUERY),
+        longest: gpu.device.limits().max_texture_dimension_2d,
+    }
+}

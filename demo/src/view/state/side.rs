@@ -1,0 +1,189 @@
+//! One side of the divider: its settings, what it shows, what it cost.
+
+use crate::host::{Sent, Shot};
+use crate::measure::quality::Quality;
+use crate::measure::stats::{Spread, times};
+use crate::view::judge::Verdict;
+use crate::view::renderer::{Rendered, View, is_image};
+use deferred_aa::{Preset, Settings};
+use egui::{ColorImage, Context, TextureHandle, TextureOptions};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// Changes of one setting within this time are one step of undo.
+const ONE_STEP: Duration = Duration::from_millis(700);
+
+/// The most frames whose times are kept.
+const MOST_SHOTS: usize = 64;
+
+/// One side of the divider.
+#[derive(Default)]
+pub struct Side {
+    /// The settings on the controls.
+    pub settings: Settings,
+    past: Vec<Settings>,
+    future: Vec<Settings>,
+    last_change: Option<(String, Instant)>,
+    /// The last picture.
+    pub rendered: Option<Box<Rendered>>,
+    /// The rays that each of its samples sent, once they are counted.
+    pub sent: Option<Arc<Vec<Sent>>>,
+    /// The frames of this picture that were measured.
+    pub shots: Vec<Shot>,
+    /// The quality against the present reference.
+    pub quality: Option<Quality>,
+    /// Why the settings on the controls are not those of the picture.
+    pub refused: Option<String>,
+    /// The picture as a texture.
+    pub texture: Option<TextureHandle>,
+    /// Where the picture is wrong, as a texture.
+    pub error: Option<TextureHandle>,
+}
+
+impl Side {
+    /// A side with these settings.
+    pub fn new(settings: Settings) -> Self {
+        Self { settings, ..Self::default() }
+    }
+
+    /// Changes the settings. `path` names the control, so that one drag of a slider is one step of undo.
+    pub fn set(&mut self, settings: Settings, path: &str) {
+        if settings == self.settings {
+            return;
+        }
+        let now = Instant::now();
+        let goes_on = self.last_change.as_ref().is_some_and(|(last, at)| last == path && now - *at < ONE_STEP);
+        if !goes_on {
+            self.past.push(self.settings);
+        }
+        self.future.clear();
+        self.last_change = Some((path.to_owned(), now));
+        self.settings = settings;
+        self.refused = None;
+    }
+
+    /// Takes back one step; whether there was one.
+    pub fn undo(&mut self) -> bool {
+        let Some(before) = self.past.pop() else { return false };
+        self.future.push(std::mem::replace(&mut self.settings, before));
+        (self.last_change, self.refused) = (None, None);
+        true
+    }
+
+    /// Does again one step that was taken back; whether there was one.
+    pub fn redo(&mut self) -> bool {
+        let Some(after) = self.future.pop() else { return false };
+        self.past.push(std::mem::replace(&mut self.settings, after));
+        (self.last_change, self.refused) = (None, None);
+        true
+    }
+
+    /// How many steps can be taken back, and done again.
+    pub fn steps(&self) -> (usize, usize) {
+        (self.past.len(), self.future.len())
+    }
+
+    /// The settings that a control is reset to.
+    pub fn defaults() -> Settings {
+        Preset::default().settings()
+    }
+
+    /// Shows a new picture.
+    pub fn show(&mut self, ctx: &Context, name: &str, rendered: Box<Rendered>) {
+        let size = [rendered.picture.width as usize, rendered.picture.height as usize];
+        let is_image = is_image(&rendered.settings);
+        let rgb: Vec<u8> = if is_image {
+            rendered.picture.to_srgb8().into_iter().flatten().collect()
+        } else {
+            // A debug view is made of displayable values.
+            let shown = |c: &[f32; 4]| [c[0], c[1], c[2]].map(|v| (v.clamp(0.0, 1.0) * 255.0 + 0.5) as u8);
+            rendered.picture.rgba.iter().flat_map(shown).collect()
+        };
+        set_texture(&mut self.texture, ctx, name, ColorImage::from_rgb(size, &rgb));
+        self.shots = vec![rendered.shot.clone()];
+        (self.quality, self.error, self.refused, self.sent) = (None, None, None, None);
+        self.rendered = Some(rendered);
+    }
+
+    /// Adds one more frame of the picture that is shown.
+    pub fn measured(&mut self, view: &Arc<View>, settings: &Settings, shot: Shot) {
+        if self.is_of(view, settings) && self.shots.len() < MOST_SHOTS {
+            self.shots.push(shot);
+        }
+    }
+
+    /// Adds the rays of its samples.
+    pub fn counted(&mut self, view: &Arc<View>, settings: &Settings, sent: Arc<Vec<Sent>>) {
+        if self.is_of(view, settings) {
+            self.sent = Some(sent);
+        }
+    }
+
+    fn is_of(&self, view: &Arc<View>, settings: &Settings) -> bool {
+        self.rendered.as_deref().is_some_and(|r| Arc::ptr_eq(&r.view, view) && r.settings == *settings)
+    }
+
+    /// Takes a verdict, if it is of the present picture; whether it is.
+    pub fn judged(&mut self, ctx: &Context, name: &str, verdict: &Verdict) -> bool {
+        let own = self.rendered.as_deref().is_some_and(|r| Arc::ptr_eq(&r.picture, &verdict.case.picture));
+        if !own {
+            return false;
+        }
+        self.quality = verdict.quality.as_ref().ok().copied();
+        let size = [verdict.case.picture.width as usize, verdict.case.picture.height as usize];
+        let rgb: Vec<u8> = verdict.error.iter().flatten().copied().collect();
+        set_texture(&mut self.error, ctx, name, ColorImage::from_rgb(size, &rgb));
+        true
+    }
+
+    /// Milliseconds by pass, over the measured frames. The first one may have been compiled for, and is left out of several.
+    pub fn times(&self) -> BTreeMap<String, Spread> {
+        times(&self.shots[usize::from(self.shots.len() > 2)..])
+    }
+
+    /// Median milliseconds of the node's passes together.
+    pub fn node_ms(&self) -> Option<f64> {
+        self.times().get("node").map(|spread| spread.median)
+    }
+}
+
+fn set_texture(texture: &mut Option<TextureHandle>, ctx: &Context, name: &str, image: ColorImage) {
+    // Pixels are to be seen as they are.
+    let options = TextureOptions::NEAREST;
+    match texture {
+        Some(texture) => texture.set(image, options),
+        None => *texture = Some(ctx.load_texture(name, image, options)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use deferred_aa::Technique;
+
+    #[test]
+    fn changes_can_be_taken_back() {
+        let with = |scale: f32| {
+            let mut settings = Settings::default();
+            settings.windowed.luminance_scale = scale;
+            settings
+        };
+        let mut side = Side::new(with(1.0));
+        // A slider on its way, then another control.
+        side.set(with(2.0), "windowed.luminance_scale");
+        side.set(with(3.0), "windowed.luminance_scale");
+        let other = Settings { technique: Technique::Full, ..with(3.0) };
+        side.set(other, "technique");
+        assert_eq!(side.steps(), (2, 0));
+        assert!(side.undo());
+        assert_eq!(side.settings, with(3.0));
+        assert!(side.undo());
+        assert_eq!(side.settings, with(1.0));
+        assert!(!side.undo() && side.redo() && side.redo() && !side.redo());
+        assert_eq!(side.settings, other);
+        side.undo();
+        side.set(with(5.0), "windowed.luminance_scale");
+        assert_eq!(side.steps().1, 0);
+    }
+}
