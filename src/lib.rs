@@ -67,7 +67,7 @@ pub use host::graph::{
 };
 pub use host::intermediates::Intermediates;
 pub use host::needs::{CastingLight, MAX_CASTING_LIGHTS, Needs, ObjectImportance};
-pub use host::plan_word::{Attribute, DecidedBy, PlanWord};
+pub use host::plan::{Attribute, DecidedBy, PlanWord, Slots};
 pub use host::requirements::{Memory, Requirements};
 pub use host::shader::Shader;
 pub use host::statistics::{DecidedCounts, PassTime, PointCounts, QuadrantCounts, Statistics, TileCounts};

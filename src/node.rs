@@ -1,22 +1,22 @@
 //! The node: what a host builds, resizes and records.
 
 use crate::goal::Controller;
-use crate::gpu::audited::Audited;
 use crate::gpu::binding::{Slot, frame_layout};
 use crate::gpu::buffers::NodeBuffers;
-use crate::gpu::casting::{CastSamples, CastingUniform};
-use crate::gpu::collector::{Collector, Recorded};
-use crate::gpu::frame_uniform::FrameUniform;
-use crate::gpu::input_check::InputCheck;
-use crate::gpu::lattice::LatticeSteps;
 use crate::gpu::loans::{Lent, Loans};
 use crate::gpu::modules::binds_host;
 use crate::gpu::pipelines::{self, Build, Pipelines};
+use crate::gpu::readback::collector::{Collector, Recorded};
+use crate::gpu::readback::input_check::InputCheck;
 use crate::gpu::recording::{ReadyPass, ReadyStage, Recording};
 use crate::gpu::resources::{SizedResources, binding_limit, check_size};
 use crate::gpu::sizes::{self, Shape};
 use crate::gpu::step::{Pass, Step};
-use crate::gpu::uniforms::FRAMES;
+use crate::gpu::uniforms::audited::Audited;
+use crate::gpu::uniforms::casting::{CastSamples, CastingUniform};
+use crate::gpu::uniforms::frame::FrameUniform;
+use crate::gpu::uniforms::lattice::LatticeSteps;
+use crate::gpu::uniforms::ring::FRAMES;
 use crate::host::check::{InputMistake, InputReport, encodes};
 use crate::host::descriptor::{Descriptor, Shading};
 use crate::host::error::{BuildError, LendError, RecordError, ShadingError, SizeError, TableError};
@@ -25,6 +25,7 @@ use crate::host::gbuffer::GBuffer;
 use crate::host::graph::{Part, PartInfo, PassInfo, PassKind, Resource};
 use crate::host::intermediates::Intermediates;
 use crate::host::needs::{Needs, RayInputs};
+use crate::host::plan::Slots;
 use crate::host::requirements::{self, Memory, Requirements};
 use crate::host::shader::Shader;
 use crate::host::statistics::Statistics;
@@ -227,7 +228,7 @@ impl DeferredAa {
             first: resources.texture(Part::First)?,
             color: resources.texture(Part::Color)?,
             plan: resources.buffer(Part::Plan)?,
-            tiles: sizes::tiles(resources.size),
+            slots: Slots::new(resources.size[0], resources.size[1]),
             pixel_list: resources.buffer(Part::PixelListEntries),
             sample_list: resources.buffer(Part::SampleListEntries),
             shadows: resources.buffer(Part::Shadows),
@@ -412,7 +413,7 @@ impl DeferredAa {
                 m,
                 effort: effort.map(|e| e.effort),
                 audited: ready.iter().any(audits).then_some(audited),
-                passes: ready.iter().map(|ready| ready.pass.info.name).collect(),
+                passes: ready.iter().map(|ready| (ready.pass.info.name, ready.pass.info.kind)).collect(),
             }
         });
         Ok(Recording { frame, resources, buffers, collector, slot, passes: ready, audited, recorded })

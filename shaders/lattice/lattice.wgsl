@@ -19,7 +19,7 @@ struct DaaLattice {
     height: u32,
     /// Where its points begin in `daa_points`.
     first: u32,
-    /// `Place` of src/lattice.rs.
+    /// `Level` of src/gpu/uniforms/lattice.rs.
     place: u32,
     padding: vec2u,
 }

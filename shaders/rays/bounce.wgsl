@@ -1,6 +1,6 @@
 // bounce: one mirrored and one refracted ray from samples whose material sends them, what they meet shaded by the host's own hook
 // (the secondary rays of subpixel reconstruction for ray tracing, WSCG 2012, section 3). Joined with casting.wgsl, rays.wgsl and the chunk of a tier.
-// CPU twin: src/reference/bounce.rs.
+// CPU twin: src/reference/rays/bounce.rs.
 
 /// What was found, rank by rank: codes of shared_exponent.wgsl. For `Selective` also what the rays of first samples met, behind them.
 /// Where they are kept, the rays of each behind both: mirrored ones, refracted ones · 2¹⁶.

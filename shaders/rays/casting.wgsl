@@ -11,7 +11,7 @@
 /// Of lattice.wgsl.
 @group(3) @binding(8) var<storage, read_write> daa_points: array<vec4u>;
 
-/// Which samples a dispatch works on: `Samples` of src/traces.rs.
+/// Which samples a dispatch works on: `CastSamples` of src/gpu/uniforms/casting.rs.
 const DAA_SAMPLES_FIRST: u32 = 0u;
 const DAA_SAMPLES_FULL: u32 = 1u;
 const DAA_SAMPLES_PLANNED: u32 = 2u;
@@ -45,7 +45,7 @@ struct DaaCasting {
     lights: array<DaaCastingLight, 32>,
 }
 
-/// Classes of tiles: `TileClass` of src/traces.rs.
+/// Classes of tiles, as classify.wgsl lists them.
 const DAA_TILES_SURFACE: u32 = 0u;
 const DAA_TILES_BOUNCE: u32 = 1u;
 

@@ -1,5 +1,5 @@
 // classify: the tiles in which rays are wanted, by kind, so that `trace` and `bounce` go to these alone.
-// CPU twin: src/reference/classify.rs.
+// CPU twin: src/reference/rays/classify.rs.
 
 @group(3) @binding(0) var<storage, read_write> daa_tile_lists: DaaTileLists;
 /// A bit for each material: it sends rays.

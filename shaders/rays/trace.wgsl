@@ -1,5 +1,5 @@
 // trace: from the samples that will be shaded, rays towards the lights that cast shadows. Joined with casting.wgsl, rays.wgsl and
-// the chunk of a tier. CPU twin: src/reference/trace.rs.
+// the chunk of a tier. CPU twin: src/reference/rays/trace.rs.
 
 /// The shadow bits of all samples, rank by rank. Where they are kept, the rays of each behind them, likewise.
 @group(3) @binding(5) var<storage, read_write> daa_shadows: array<u32>;

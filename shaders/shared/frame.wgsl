@@ -1,4 +1,4 @@
-// The frame's constants, and where pixels and tiles lie in buffers. Rust has the same structs in src/gpu/frame_uniform.rs and the
+// The frame's constants, and where pixels and tiles lie in buffers. Rust has the same structs in src/gpu/uniforms/frame.rs and the
 // files of the techniques; a test holds them together.
 
 /// `Windowed`'s metrics: 0 switches one off.

@@ -1,4 +1,4 @@
-// The word that the plan has for each pixel, and the counts before it. `PlanWord` of src/host/plan_word.rs reads the same.
+// The word that the plan has for each pixel, and the counts before it. `PlanWord` of src/host/plan.rs reads the same.
 //
 // bits 0 to 7: k. Bits 8 to 11: what decided it, DAA_BY_*; of `Selective` what the threshold of the first active quadrant is for,
 // from 1. Bits 12 to 14: the lattice that the pixel's point was chosen on, and bit 15: that it was shaded. Bits 16 to 31: of a plan
@@ -35,7 +35,7 @@ fn daa_plan_by(word: u32) -> u32 {
     return (word >> 8u) & 15u;
 }
 
-/// The lattice that the pixel's point was chosen on: `Level` of src/lattice.rs.
+/// The lattice that the pixel's point was chosen on: `Level` of src/gpu/uniforms/lattice.rs.
 fn daa_plan_level(word: u32) -> u32 {
     return (word >> 12u) & 7u;
 }

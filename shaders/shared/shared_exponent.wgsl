@@ -1,5 +1,5 @@
 // Radiance in 32 bits: three mantissas of 9 bits and an exponent of 5 (EXT_texture_shared_exponent). 0 means that nothing was
-// traced, and black has a code of its own. CPU twin: src/reference/shared_exponent.rs.
+// traced, and black has a code of its own. CPU twin: src/reference/rays/shared_exponent.rs.
 
 const DAA_TRACED_BLACK: u32 = 0x08000000u;
 

@@ -22,6 +22,6 @@ struct DaaStatistics {
     /// Active quadrants by what their threshold is for: colour, then object, normal, shadow, texture, then these of what is reflected
     /// and refracted.
     quadrants: array<atomic<u32>, 9>,
-    /// Points of lattices that were shaded, by `Place` of src/lattice.rs.
+    /// Points of lattices that were shaded, by `Level` of src/gpu/uniforms/lattice.rs.
     points: array<atomic<u32>, 5>,
 }

@@ -2,7 +2,7 @@
 //! `Windowed::at_effort` for what it scales.
 
 use crate::TILE;
-use crate::gpu::audited::Audited;
+use crate::gpu::uniforms::audited::Audited;
 use crate::settings::{DebugView, Goal, Settings};
 
 /// The least effort: k = 1 but at the steepest edges.

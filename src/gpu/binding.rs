@@ -1,10 +1,10 @@
 //! A pass as data: its module, what it binds, and what it runs. Layouts, bind groups, reads and writes all come from that one list.
 
-use crate::gpu::casting::CastingUniform;
-use crate::gpu::frame_uniform::FrameUniform;
-use crate::gpu::lattice::StepUniform;
 use crate::gpu::modules::{Base, Module};
 use crate::gpu::sizes::{IMAGE_FORMAT, WORK_BYTES};
+use crate::gpu::uniforms::casting::CastingUniform;
+use crate::gpu::uniforms::frame::FrameUniform;
+use crate::gpu::uniforms::lattice::StepUniform;
 use crate::host::graph::{Part, PassKind, Resource, ResourceSet, Rounds, Stage};
 use crate::host::needs::RayInputs;
 use crate::rays::RayTier;
@@ -141,7 +141,7 @@ impl Binding {
     }
 }
 
-/// Names of a pass on the lattices of [`Level`](crate::gpu::lattice::Level), in its order.
+/// Names of a pass on the lattices of [`Level`](crate::gpu::uniforms::lattice::Level), in its order.
 macro_rules! by_level {
     ($name:literal) => {
         &[$name, concat!($name, " shifted"), concat!($name, " 1/2"), concat!($name, " 1/4"), concat!($name, " 1/8")]

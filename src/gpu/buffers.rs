@@ -1,12 +1,12 @@
 //! What a node holds whatever its size: the uniforms, what the host says of its materials and objects, and audits. Each is made when
 //! a frame first needs it.
 
-use crate::gpu::audited;
 use crate::gpu::binding::{Access, Slot};
-use crate::gpu::casting::{CastSamples, CastingUniform};
-use crate::gpu::frame_uniform::FrameUniform;
-use crate::gpu::lattice::{LatticeStep, StepUniform};
-use crate::gpu::uniforms::Ring;
+use crate::gpu::uniforms::audited;
+use crate::gpu::uniforms::casting::{CastSamples, CastingUniform};
+use crate::gpu::uniforms::frame::FrameUniform;
+use crate::gpu::uniforms::lattice::{LatticeStep, StepUniform};
+use crate::gpu::uniforms::ring::Ring;
 use crate::host::error::RecordError;
 use crate::host::needs::{Needs, ObjectImportance};
 use crate::host::statistics::COUNTER_BYTES;

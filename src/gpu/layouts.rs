@@ -3,13 +3,13 @@
 mod compare;
 
 use crate::gpu::binding::{Access, Binding, OWN_GROUP, PassData, Slot};
-use crate::gpu::casting::{CastSamples, CastingUniform, LightUniform};
-use crate::gpu::frame_uniform::{
-    AuditUniform, FrameUniform, MultiResolutionUniform, ReconstructUniform, SelectiveUniform, WindowedUniform, flag,
-};
-use crate::gpu::lattice::{LatticeUniform, Level, StepUniform};
 use crate::gpu::modules::{Base, source};
 use crate::gpu::sizes::{BATCH, TILE_CLASSES_BYTES, WORK_BYTES, WORK_GROUPS_AT};
+use crate::gpu::uniforms::casting::{CastSamples, CastingUniform, LightUniform};
+use crate::gpu::uniforms::frame::{
+    AuditUniform, FrameUniform, MultiResolutionUniform, ReconstructUniform, SelectiveUniform, WindowedUniform, flag,
+};
+use crate::gpu::uniforms::lattice::{LatticeUniform, Level, StepUniform};
 use crate::host::graph::{Grid, Part};
 use crate::host::needs::RayInputs;
 use crate::host::statistics::Counters;
@@ -553,7 +553,7 @@ fn builtins_are_what_the_shaders_use() {
             }
         }
     }
-    let listed: std::collections::BTreeSet<_> = BUILTINS.iter().copied().collect();
+    let listed: BTreeSet<_> = BUILTINS.iter().copied().collect();
     assert_eq!(used.difference(&listed).collect::<Vec<_>>(), Vec::<&&str>::new(), "to be added to wgsl::BUILTINS");
     assert_eq!(listed.difference(&used).collect::<Vec<_>>(), Vec::<&&str>::new(), "no longer used");
 }

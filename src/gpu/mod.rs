@@ -1,13 +1,7 @@
 //! How frames get onto the GPU: pipelines, memory and uniforms, whatever the passes are.
 
-pub(crate) mod audited;
 pub(crate) mod binding;
 pub(crate) mod buffers;
-pub(crate) mod casting;
-pub(crate) mod collector;
-pub(crate) mod frame_uniform;
-pub(crate) mod input_check;
-pub(crate) mod lattice;
 #[cfg(test)]
 mod layouts;
 pub(crate) mod loans;

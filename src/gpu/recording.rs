@@ -1,13 +1,13 @@
 //! A frame under way, pass by pass.
 
-use crate::gpu::audited::Audited;
 use crate::gpu::binding::{OWN_GROUP, Slot};
 use crate::gpu::buffers::NodeBuffers;
-use crate::gpu::collector::{Collector, Recorded};
 use crate::gpu::pipelines::{Pipeline, PipelineKind};
+use crate::gpu::readback::collector::{Collector, Recorded};
 use crate::gpu::resources::SizedResources;
 use crate::gpu::sizes::{WORK_BYTES, workgroups};
 use crate::gpu::step::Pass;
+use crate::gpu::uniforms::audited::Audited;
 use crate::host::error::RecordError;
 use crate::host::frame::Frame;
 use crate::host::graph::{Grid, Part, Rounds, Stage};
@@ -52,9 +52,9 @@ impl Recording<'_> {
         let own = self.passes.get(pass.index).filter(|own| own.pass == pass);
         let own = own.ok_or(RecordError::ForeignPass(pass.info.name))?;
         if pass.step.pass.draws() {
-            self.draw(encoder, own)
+            self.draw(encoder, own);
         } else {
-            self.compute(encoder, own)
+            self.compute(encoder, own);
         }
         Ok(())
     }

@@ -293,7 +293,7 @@ impl SizedResources {
         let constants = wgpu::BufferBinding {
             buffer: &buffers.frames.buffer,
             offset: 0,
-            size: wgpu::BufferSize::new(size_of::<crate::gpu::frame_uniform::FrameUniform>() as u64),
+            size: wgpu::BufferSize::new(size_of::<crate::gpu::uniforms::frame::FrameUniform>() as u64),
         };
         let mut entries = vec![
             wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::Buffer(constants) },

@@ -1,8 +1,8 @@
 //! How large things are: the parts of a frame's resources, and the grids of its passes.
 
 use crate::TILE;
-use crate::gpu::audited::Audited;
-use crate::gpu::lattice::{self, LatticeSteps};
+use crate::gpu::uniforms::audited::Audited;
+use crate::gpu::uniforms::lattice::{self, LatticeSteps};
 use crate::host::gbuffer::{BYTES_PER_SAMPLE, COLOR_FORMATS, DEPTH_FORMAT};
 use crate::host::graph::{Grid, LatticeShape, Part, PartKind, PassInfo, Rounds};
 use crate::host::needs::RayInputs;

@@ -1,8 +1,8 @@
 //! A pass at its place in a frame.
 
 use crate::gpu::binding::PassData;
-use crate::gpu::casting::CastSamples;
-use crate::gpu::lattice::LatticeStep;
+use crate::gpu::uniforms::casting::CastSamples;
+use crate::gpu::uniforms::lattice::LatticeStep;
 use crate::host::graph::PassInfo;
 use crate::host::needs::RayInputs;
 use crate::settings::Settings;

@@ -271,6 +271,7 @@ impl Part {
 
 /// What a pass does. Several passes of a frame may be of one kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
 #[non_exhaustive]
 pub enum PassKind {
     /// Lists the tiles in which rays are wanted.
@@ -309,6 +310,8 @@ pub enum PassKind {
     View,
     /// Measures the error of the finished image on some tiles.
     Audit,
+    /// A pass of the host's own. No node has one; it is for hosts that list their times beside the node's.
+    Host,
     /// Counts what is probably wrong in the G-buffer. Only [`check_input`](crate::DeferredAa::check_input) records it.
     Check,
 }

@@ -1,6 +1,6 @@
 //! What the passes hand to each other, for tools and tests.
 
-use crate::TILE;
+use crate::host::plan::Slots;
 
 /// What the passes hand to each other. All can be copied from.
 #[derive(Debug, Clone, Copy)]
@@ -9,10 +9,10 @@ pub struct Intermediates<'a> {
     pub first: &'a wgpu::Texture,
     /// The means of windows with k > 1, `Rgba32Float`, w×h; other pixels are undefined.
     pub color: &'a wgpu::Texture,
-    /// The plan: a [`PlanWord`](crate::PlanWord) for each pixel of each tile, at [`plan_index`](Self::plan_index).
+    /// The plan: a [`PlanWord`](crate::PlanWord) for each pixel of each tile, in its [slot](Self::slots).
     pub plan: &'a wgpu::Buffer,
-    /// Tiles along x and y.
-    pub tiles: [u32; 2],
+    /// Where in the plan, and in the buffers of what rays found, a pixel and its samples lie.
+    pub slots: Slots,
     /// Slots of the plan by k, once [`Execution::Sorted`](crate::Execution::Sorted) or
     /// [`Execution::Bucketed`](crate::Execution::Bucketed) ran; see `reference::list`.
     pub pixel_list: Option<&'a wgpu::Buffer>,
@@ -34,12 +34,4 @@ pub struct Intermediates<'a> {
     /// The words of the points of all lattices, once [`Technique::MultiResolution`](crate::Technique::MultiResolution) ran: `daa_point_word` of lattice.wgsl; see
     /// `reference::multi_resolution`. And the colours of those that are shaded.
     pub lattices: Option<[&'a wgpu::Buffer; 2]>,
-}
-
-impl Intermediates<'_> {
-    /// Where in the plan a pixel's word lies.
-    pub fn plan_index(&self, x: u32, y: u32) -> usize {
-        let tile = (y / TILE) * self.tiles[0] + x / TILE;
-        (tile * TILE * TILE + (y % TILE) * TILE + x % TILE) as usize
-    }
 }

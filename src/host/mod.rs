@@ -8,7 +8,7 @@ pub mod gbuffer;
 pub(crate) mod graph;
 pub(crate) mod intermediates;
 pub(crate) mod needs;
-pub(crate) mod plan_word;
+pub(crate) mod plan;
 pub(crate) mod requirements;
 pub(crate) mod shader;
 pub(crate) mod statistics;

@@ -99,7 +99,7 @@ impl RayInputs {
         self.shadows || self.secondary
     }
 
-    /// `rays` of [`LatticeSteps::new`](crate::gpu::lattice::LatticeSteps::new).
+    /// `rays` of [`LatticeSteps::new`](crate::gpu::uniforms::lattice::LatticeSteps::new).
     pub fn code(self) -> u32 {
         u32::from(self.shadows) | u32::from(self.secondary) << 1
     }

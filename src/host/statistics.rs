@@ -1,6 +1,7 @@
 //! What a frame did: counted on the GPU.
 
 use crate::goal::GoalProgress;
+use crate::host::graph::PassKind;
 use crate::settings::Technique;
 use bytemuck::{Pod, Zeroable};
 
@@ -174,6 +175,8 @@ pub struct TileCounts {
 pub struct PassTime {
     /// As in [`PassInfo::name`](crate::PassInfo::name).
     pub name: &'static str,
+    /// What the pass does.
+    pub kind: PassKind,
     /// `None` without [`wgpu::Features::TIMESTAMP_QUERY`].
     pub milliseconds: Option<f64>,
 }

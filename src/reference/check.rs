@@ -1,7 +1,7 @@
 //! Twin of `shaders/check.wgsl`.
 
 use super::octahedral;
-use super::trace::geometric_normal;
+use super::rays::trace::geometric_normal;
 use crate::{Camera, InputCounts, NormalCounts};
 use glam::{DMat3, DMat4, DVec2, DVec3, DVec4};
 

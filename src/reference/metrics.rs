@@ -1,7 +1,7 @@
 //! Twin of `shaders/metrics.wgsl`.
 
 use super::octahedral;
-pub use crate::host::plan_word::DecidedBy as By;
+pub use crate::host::plan::DecidedBy as By;
 use crate::settings::{DepthMeasure, LuminanceCurve, Windowed};
 use glam::DVec3;
 

@@ -4,9 +4,7 @@
 //! an integer, so both must agree, except where the metric lies within [`metrics::ROUNDING_BAND`] of a half.
 
 pub mod audit;
-pub mod bounce;
 pub mod check;
-pub mod classify;
 pub mod list;
 pub mod max_filter;
 pub mod metrics;
@@ -17,6 +15,4 @@ pub mod rays;
 pub mod reconstruct;
 pub mod resolve;
 pub mod selective;
-pub mod shared_exponent;
-pub mod trace;
 pub mod window;

@@ -1,7 +1,7 @@
 //! Twin of `shaders/lattice.wgsl`, `residual.wgsl`, `refine.wgsl` and `map.wgsl`.
 
 use super::reconstruct::{Geometry, View, geometry, weight};
-use crate::gpu::lattice::{self, LatticeStep, LatticeSteps, LatticeUse};
+use crate::gpu::uniforms::lattice::{self, LatticeStep, LatticeSteps, LatticeUse};
 use crate::settings::{LuminanceCurve, MultiResolution, Pattern, Reconstructed};
 use glam::DVec3;
 

@@ -1,8 +1,8 @@
 //! What a technique is made of.
 
-use crate::gpu::frame_uniform::FrameUniform;
-use crate::gpu::lattice::LatticeSteps;
 use crate::gpu::step::Steps;
+use crate::gpu::uniforms::frame::FrameUniform;
+use crate::gpu::uniforms::lattice::LatticeSteps;
 use crate::host::error::RecordError;
 use crate::host::needs::{Needs, RayInputs};
 use crate::host::statistics::{Counters, DecidedCounts};

@@ -2,8 +2,8 @@
 
 use super::rays;
 use crate::gpu::binding::PassData;
-use crate::gpu::casting::CastSamples;
 use crate::gpu::step::{Step, Steps};
+use crate::gpu::uniforms::casting::CastSamples;
 use crate::host::needs::RayInputs;
 use crate::passes::{list, max_filter, plan, shade, shade_listed};
 use crate::settings::Execution;

@@ -1,7 +1,7 @@
 //! The steps that cast rays, where a frame asks for them.
 
-use crate::gpu::casting::CastSamples;
 use crate::gpu::step::Step;
+use crate::gpu::uniforms::casting::CastSamples;
 use crate::host::needs::RayInputs;
 use crate::passes::rays::{bounce, classify, trace};
 

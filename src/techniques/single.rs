@@ -3,9 +3,9 @@
 use super::image::{Shown, image_or_view};
 use super::method::{Counted, Effort, Method, Windows};
 use super::rays;
-use crate::gpu::casting::CastSamples;
-use crate::gpu::frame_uniform::FrameUniform;
 use crate::gpu::step::Steps;
+use crate::gpu::uniforms::casting::CastSamples;
+use crate::gpu::uniforms::frame::FrameUniform;
 use crate::host::needs::RayInputs;
 use crate::host::statistics::Counters;
 use crate::passes::{first, resolve};

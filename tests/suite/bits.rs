@@ -73,7 +73,7 @@ fn hashes(host: &mut Host, settings: Settings) -> [u32; 3] {
     [
         Hash::of(picture.as_flattened().iter().flat_map(|c| c.to_le_bytes())),
         Hash::words(counters(&statistics)),
-        Hash::words(plan.into_iter().map(u64::from)),
+        Hash::words(plan.into_iter().map(|word| u64::from(word.0))),
     ]
 }
 

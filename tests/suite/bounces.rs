@@ -154,9 +154,8 @@ fn reflections_are_reconstructed_apart() {
     let reference = host.picture();
     let passed = host.aa.intermediates().unwrap();
     let codes: Vec<u32> = pod_collect_to_vec(&host.gpu.read_buffer(passed.secondary.unwrap()));
-    let slots = (passed.tiles[0] * passed.tiles[1] * 64) as usize;
     let pixels: Vec<_> = (0..72).flat_map(|y| (0..128).map(move |x| (x, y))).collect();
-    let traced = |&(x, y): &(u32, u32)| (0..16).any(|rank| codes[rank * slots + passed.plan_index(x, y)] != 0);
+    let traced = |&(x, y): &(u32, u32)| (0..16).any(|rank| codes[passed.slots.sample(x, y, rank)] != 0);
     let mask: Vec<bool> = pixels.iter().map(traced).collect();
     assert!(mask.iter().filter(|&&m| m).count() > 2000);
     let mut on_mirrors = |secondary_apart| {

@@ -4,7 +4,7 @@ use crate::shadows::{looking, tiers};
 use bytemuck::pod_collect_to_vec;
 use deferred_aa::glam::{DAffine3, DVec3, Mat4, Vec2, Vec3, Vec4, vec3};
 use deferred_aa::rays::{Attributes, RayTier};
-use deferred_aa::reference::bounce::{Bounce, Input, Sample, Secondary, place};
+use deferred_aa::reference::rays::bounce::{Bounce, Input, Sample, Secondary, place};
 use deferred_aa::reference::{rays as twin, shared_exponent, trace};
 use deferred_aa::{
     CastingLight, DeferredAa, Descriptor, Frame, Needs, Settings, Shading, Technique, TextureTier, wgpu, window,
@@ -269,8 +269,7 @@ impl Node {
         let rays = [statistics.reflection_rays, statistics.refraction_rays];
         let passed = aa.intermediates().unwrap();
         let by_rank: Vec<u32> = pod_collect_to_vec(&gpu.read_buffer(passed.secondary.unwrap()));
-        let slots = (passed.tiles[0] * passed.tiles[1] * 64) as usize;
-        let code = |(x, y, rank)| by_rank[rank as usize * slots + passed.plan_index(x / M, y / M)];
+        let code = |(x, y, rank)| by_rank[passed.slots.sample(x / M, y / M, rank)];
         let codes = samples().map(code).collect();
         let gbuffer = aa.gbuffer().unwrap();
         let color = |i: usize, texel| gpu.read_texture(gbuffer.color[i].texture(), texel);

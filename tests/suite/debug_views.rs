@@ -4,7 +4,7 @@ use crate::harness::{Rig, SHOW_USER, Sample};
 use crate::shadows::{bits, full, host, light, looking, scene, square, sun};
 use bytemuck::pod_collect_to_vec;
 use deferred_aa::glam::{Mat4, Vec3, Vec4, vec3};
-use deferred_aa::reference::classify::classify;
+use deferred_aa::reference::rays::classify::classify;
 use deferred_aa::{DebugView, Effect, MultiResolution, Settings, Technique, window};
 use deferred_aa_demo::host::{Host, Sent};
 use deferred_aa_demo::rays::{bouncing, casting_lights};

@@ -216,7 +216,7 @@ impl Rig {
         let passed = self.aa.intermediates().expect("a size");
         let words: Vec<u32> = bytemuck::pod_collect_to_vec(&self.gpu.read_buffer(passed.plan));
         let pixels = (0..self.size[1]).flat_map(|y| (0..self.size[0]).map(move |x| (x, y)));
-        let word = |(x, y)| words[passed.plan_index(x, y)];
+        let word = |(x, y)| words[passed.slots.pixel(x, y)];
         pixels.map(word).map(|w| (w & 0xff, w >> 8 & 0xff, w >> 16)).collect()
     }
 

@@ -5,8 +5,8 @@ use crate::shadows::{full, host};
 use bytemuck::pod_collect_to_vec;
 use deferred_aa::glam::Vec3;
 use deferred_aa::reference::multi_resolution::{Input, Lattice as Points, by, steps};
+use deferred_aa::reference::rays::shared_exponent;
 use deferred_aa::reference::reconstruct::View;
-use deferred_aa::reference::shared_exponent;
 use deferred_aa::{
     DebugView, Effect, Execution, Lattice, LuminanceCurve, MultiResolution, Pattern, RecordError, Settings, Technique,
     window,
@@ -181,8 +181,7 @@ fn codes(host: &Host, secondary: bool) -> Vec<u32> {
 /// Where the code of a sample lies in [`codes`].
 fn code_index(host: &Host, [x, y, rank]: [u32; 3]) -> usize {
     let passed = host.aa.intermediates().expect("a size");
-    let slots = (passed.tiles[0] * passed.tiles[1] * 64) as usize;
-    rank as usize * slots + passed.plan_index(x, y)
+    passed.slots.sample(x, y, rank)
 }
 
 /// Points that cast rays found what full supersampling does there, the others have what the twin makes of those around them.

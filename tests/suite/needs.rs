@@ -2,7 +2,7 @@
 
 use crate::shadows::{full, host};
 use bytemuck::pod_collect_to_vec;
-use deferred_aa::reference::classify::classify;
+use deferred_aa::reference::rays::classify::classify;
 use deferred_aa::{Effect, Needs, Settings, Technique};
 use deferred_aa_demo::rays::bouncing;
 use deferred_aa_demo::scene::builtin::{self, SQUARES, builtin};

@@ -50,7 +50,7 @@ fn with_input<T>(host: &Host, use_it: impl FnOnce(&Input<'_>) -> T) -> T {
     let bits: Vec<u32> =
         passed.shadows.map_or(Vec::new(), |buffer| bytemuck::pod_collect_to_vec(&host.gpu.read_buffer(buffer)));
     let pixels = (0..host.options.height).flat_map(|y| (0..host.options.width).map(move |x| (x, y)));
-    let shadow: Vec<u32> = pixels.filter_map(|(x, y)| bits.get(passed.plan_index(x, y)).copied()).collect();
+    let shadow: Vec<u32> = pixels.filter_map(|(x, y)| bits.get(passed.slots.pixel(x, y)).copied()).collect();
     use_it(&Input {
         m: host.aa.m() as usize,
         width: host.options.width as usize,

@@ -293,9 +293,9 @@ fn plans_with_rays_are_the_twins() {
             let statistics = host.frame(&camera, settings).unwrap().statistics;
             let [bits, codes] = [false, true].map(|secondary| read(&host, secondary));
             let passed = host.aa.intermediates().unwrap();
-            let slots = (passed.tiles[0] * passed.tiles[1] * 64) as usize;
+            let slots = passed.slots.count();
             let plan: Vec<u32> = pod_collect_to_vec(&host.gpu.read_buffer(passed.plan));
-            let at = |x: u32, y: u32| passed.plan_index(x, y);
+            let at = |x: u32, y: u32| passed.slots.pixel(x, y);
             let depth = host.depths();
             let surface = host.surfaces();
             let first: Vec<[f32; 4]> = pod_collect_to_vec(&host.gpu.read_texture(passed.first, 16));

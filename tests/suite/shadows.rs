@@ -4,7 +4,7 @@ use bytemuck::pod_collect_to_vec;
 use deferred_aa::glam::{DAffine3, Mat4, Vec2, Vec3, Vec4, vec3};
 use deferred_aa::rays::{QUERY_FEATURES, RayTier};
 use deferred_aa::reference::rays as twin;
-use deferred_aa::reference::trace::Input;
+use deferred_aa::reference::rays::trace::Input;
 use deferred_aa::{DeferredAa, Effect, Execution, Reconstructed, Settings, Technique, TextureTier};
 use deferred_aa_demo::gpu::{self, Gpu};
 use deferred_aa_demo::host::{Host, Options, descriptor};
@@ -43,10 +43,9 @@ pub fn tiers() -> Vec<RayTier> {
 pub fn bits(host: &Host) -> Vec<Vec<u32>> {
     let passed = host.aa.intermediates().expect("a size");
     let all: Vec<u32> = pod_collect_to_vec(&host.gpu.read_buffer(passed.shadows.expect("a frame that traced")));
-    let slots = (passed.tiles[0] * passed.tiles[1] * 64) as usize;
-    let n = (host.options.m * host.options.m) as usize;
+    let n = host.options.m * host.options.m;
     let pixels = (0..host.options.height).flat_map(|y| (0..host.options.width).map(move |x| (x, y)));
-    pixels.map(|(x, y)| (0..n).map(|rank| all[rank * slots + passed.plan_index(x, y)]).collect()).collect()
+    pixels.map(|(x, y)| (0..n).map(|rank| all[passed.slots.sample(x, y, rank)]).collect()).collect()
 }
 
 /// Without what has holes.

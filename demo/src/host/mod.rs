@@ -13,7 +13,7 @@ use crate::scene::{Camera, Material, Scene, Sun};
 use deferred_aa::rays::{RayError, RayTier};
 use deferred_aa::{
     BuildError, CastingLight, DebugView, DeferredAa, Descriptor, Effect, Frame, GBuffer, Needs, ObjectImportance, Pass,
-    RecordError, Settings, Shading, SizeError, Statistics, TILE, Technique, TextureTier,
+    PlanWord, RecordError, Settings, Shading, SizeError, Statistics, Technique, TextureTier,
 };
 use glam::Vec3;
 use gpu::Gpu;
@@ -448,17 +448,17 @@ impl Host {
         match (technique, self.aa.intermediates()) {
             (Technique::Full, _) => uniform(self.options.m * self.options.m),
             (Technique::Single, _) | (_, None) => uniform(1),
-            (_, Some(_)) => self.plan().into_iter().map(|word| word & 0xff).collect(),
+            (_, Some(_)) => self.plan().into_iter().map(PlanWord::k).collect(),
         }
     }
 
     /// The last frame's plan, rows from the top: [`deferred_aa::Intermediates::plan`]. Waits.
-    pub fn plan(&self) -> Vec<u32> {
+    pub fn plan(&self) -> Vec<PlanWord> {
         let Some(passed) = self.aa.intermediates() else { return Vec::new() };
-        let plan: Vec<u32> = bytemuck::pod_collect_to_vec(&self.gpu.read_buffer(passed.plan));
+        let plan: Vec<PlanWord> = bytemuck::pod_collect_to_vec(&self.gpu.read_buffer(passed.plan));
         let (width, height) = (self.options.width, self.options.height);
         let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-        pixels.map(|(x, y)| plan[passed.plan_index(x, y)]).collect()
+        pixels.map(|(x, y)| plan[passed.slots.pixel(x, y)]).collect()
     }
 
     /// The rays that each sample of the last frame sent, which showed [`DebugView::Rays`]: pixel by pixel from the top, by rank. Empty where
@@ -469,14 +469,14 @@ impl Host {
             buffer.filter(|_| is).map_or(Vec::new(), |b| bytemuck::pod_collect_to_vec(&self.gpu.read_buffer(b)))
         };
         let (shadows, secondary) = (read(passed.shadows, traced[0]), read(passed.secondary, traced[1]));
-        let n = (self.options.m * self.options.m) as usize;
-        let slots = (passed.tiles[0] * passed.tiles[1] * TILE * TILE) as usize;
+        let n = self.options.m * self.options.m;
         let (width, height) = (self.options.width, self.options.height);
-        let mut sent = Vec::with_capacity((width * height) as usize * n);
-        for slot in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| passed.plan_index(x, y)) {
+        let mut sent = Vec::with_capacity((width * height * n) as usize);
+        for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
             sent.extend((0..n).map(|rank| {
-                let shadow = shadows.get((n + rank) * slots + slot).copied().unwrap_or(0);
-                let others = secondary.get((n + 6 + rank) * slots + slot).copied().unwrap_or(0);
+                // The counts of rays lie behind all samples, those of secondary rays behind six words of hits as well.
+                let shadow = shadows.get(passed.slots.sample(x, y, n + rank)).copied().unwrap_or(0);
+                let others = secondary.get(passed.slots.sample(x, y, n + 6 + rank)).copied().unwrap_or(0);
                 Sent { shadow: shadow as u8, mirrored: others as u8, refracted: (others >> 16) as u8 }
             }));
         }

@@ -3,10 +3,12 @@
 use crate::host::gpu::Gpu;
 use crate::host::{Host, Shot};
 use crate::measure::quality::Quality;
-use crate::pass_kind::SHADE;
 use deferred_aa::{Settings, TileCounts};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+
+/// The key of the time in which the samples of the plan are shaded.
+pub const SHADE: &str = "shade";
 
 /// One measured entry: a technique with its settings on a view.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -160,7 +160,7 @@ impl Table {
             "Passes in the order in which they run; what each reads must be finished before. `pack` is not the node's: it is an \
              example of what a host's raster shader returns. An output has w × h pixels, m × m samples each; where a pass runs more than \
              once, its dynamic offset goes 256 bytes further each time. What the frame's constants hold is in the node's \
-             `src/gpu/frame_uniform.rs` and `src/techniques/`."
+             `src/gpu/uniforms/frame.rs` and `src/techniques/`."
         )?;
         for pass in &self.passes {
             let list = |names: &[String]| if names.is_empty() { "nothing".to_owned() } else { names.join(", ") };

@@ -5,7 +5,7 @@ use super::input::fly;
 use super::renderer::{Rendered, casts};
 use super::state::Side;
 use crate::host::Sent;
-use deferred_aa::{Settings, Technique, window};
+use deferred_aa::{PlanWord, Settings, Technique, window};
 use egui::{
     Align2, Color32, CursorIcon, FontId, Galley, Painter, PointerButton, Pos2, Rect, Response, Sense, Stroke,
     TextureId, Ui, pos2, vec2,
@@ -224,15 +224,15 @@ pub enum Shaded {
 }
 
 /// The samples of a pixel whose word of the plan this is.
-pub fn shaded(settings: &Settings, m: u32, word: u32) -> Shaded {
+pub fn shaded(settings: &Settings, m: u32, word: PlanWord) -> Shaded {
     let index = |&(x, y): &(u8, u8)| (u32::from(y) * m + u32::from(x)) as usize;
     let mut places = vec![false; (m * m) as usize];
-    let k = word & 0xff;
+    let k = word.k();
     match settings.technique {
         Technique::Full => places.fill(true),
         Technique::Single => places[index(&window::order(m)[0])] = true,
         Technique::Selective => {
-            let chosen = word >> 16 & 15;
+            let chosen = word.quadrants();
             for (rank, place) in window::centred(m).iter().enumerate() {
                 places[index(place)] = rank == 0 || window::quadrants(m, place.0, place.1) & chosen != 0;
             }
@@ -279,7 +279,7 @@ fn rays(rendered: &Rendered, own: Option<&[Sent]>) -> Option<String> {
 fn samples(painter: &Painter, clip: Rect, side: &Side, rendered: &Rendered, pixel: [u32; 2], pointer: Pos2) {
     let m = rendered.view.options.m;
     let at = (pixel[1] * rendered.picture.width + pixel[0]) as usize;
-    let word = rendered.plan.get(at).copied().unwrap_or(1);
+    let word = rendered.plan.get(at).copied().unwrap_or(PlanWord(1));
     let shaded = shaded(&rendered.settings, m, word);
     let [r, g, b, _] = rendered.picture.rgba.get(at).copied().unwrap_or_default();
     let n = (m * m) as usize;
@@ -333,7 +333,7 @@ mod tests {
 
     #[test]
     fn the_board_shows_what_was_shaded() {
-        let of = |technique, m, word| match shaded(&Settings { technique, ..Default::default() }, m, word) {
+        let of = |technique, m, word| match shaded(&Settings { technique, ..Default::default() }, m, PlanWord(word)) {
             Shaded::Places(places) => places.iter().map(|&p| if p { '#' } else { '.' }).collect::<String>(),
             Shaded::Count(k) => k.to_string(),
         };

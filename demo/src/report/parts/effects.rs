@@ -5,7 +5,6 @@ use crate::host::gpu::Gpu;
 use crate::host::rays;
 use crate::host::{self, Host, Options};
 use crate::measure::stats::{Spread, Stats, times};
-use crate::pass_kind;
 use crate::report::ReportError;
 use crate::report::folder::Kind;
 use crate::report::schema::cost::Base;
@@ -14,7 +13,7 @@ use crate::report::session::Session;
 use crate::scene::Camera;
 use crate::scene::builtin::{self, SQUARES};
 use deferred_aa::rays::RayTier;
-use deferred_aa::{Effect, Settings, Technique};
+use deferred_aa::{Effect, PassKind, Settings, Technique};
 
 /// Measures them. Small, as the curves of the cost are.
 pub fn effects(session: &Session) -> Result<Effects, ReportError> {
@@ -135,12 +134,7 @@ fn tiers(session: &Session, base: Base) -> Result<Vec<TierRow>, ReportError> {
         let mut speeds = Vec::new();
         for _ in 0..base.frames {
             let shot = session.frame(&mut host, settings)?;
-            let trace = shot
-                .statistics
-                .passes
-                .iter()
-                .find(|p| pass_kind::traces_first_samples(p.name))
-                .and_then(|p| p.milliseconds);
+            let trace = shot.statistics.passes.iter().find(|p| p.kind == PassKind::Trace).and_then(|p| p.milliseconds);
             speeds.extend(trace.map(|ms| f64::from(shot.statistics.shadow_rays) / (ms * 1e-3)));
         }
         let Some(scene) = &host.rays else { continue };

@@ -12,7 +12,7 @@ use crate::report::page::images;
 use crate::report::plan::Planned;
 use crate::report::schema::{Entry, Files};
 use crate::report::session::Session;
-use deferred_aa::{PassTime, Settings, Technique};
+use deferred_aa::{PassKind, PassTime, Settings, Technique};
 
 /// The references that entries are held against.
 #[derive(Debug)]
@@ -119,7 +119,7 @@ impl Shooter {
         let mut shot = self.host.frame_with(camera, planned.settings)?;
         if let (Some(peer), Some(peers)) = (planned.peer, &mut self.peers) {
             let milliseconds = peers.run(peer, self.host.target())?.milliseconds;
-            shot.statistics.passes.push(PassTime { name: peer.name(), milliseconds });
+            shot.statistics.passes.push(PassTime { name: peer.name(), kind: PassKind::Host, milliseconds });
         }
         Ok(shot)
     }

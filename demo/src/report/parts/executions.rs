@@ -2,8 +2,7 @@
 
 use crate::host::HostError;
 use crate::measure::reference;
-use crate::measure::stats::{Spread, Stats};
-use crate::pass_kind::SHADE;
+use crate::measure::stats::{SHADE, Spread, Stats};
 use crate::picture::Picture;
 use crate::report::ReportError;
 use crate::report::folder::Kind;

@@ -3,10 +3,9 @@
 use super::wanted::{Source, View};
 use crate::host::{Options, Sent, Shot};
 use crate::measure::stats::Stats;
-use crate::pass_kind;
 use crate::picture::Picture;
 use crate::scene::{Camera, Sun};
-use deferred_aa::{Pass, Settings};
+use deferred_aa::{Pass, PassKind, PlanWord, Settings};
 use std::sync::Arc;
 
 /// A picture, and what it cost.
@@ -21,7 +20,7 @@ pub struct Rendered {
     /// What is compared: the picture, or where a debug view is shown, the picture that it is of.
     pub shot: Shot,
     /// The plan's words, row by row; empty where the technique has none.
-    pub plan: Arc<Vec<u32>>,
+    pub plan: Arc<Vec<PlanWord>>,
     /// Everything that is counted, as `render` writes it.
     pub stats: Option<Arc<Stats>>,
     /// The passes of the frame, and those that it would pay for if its scene called for every effect.
@@ -99,6 +98,5 @@ pub struct Adapter {
 
 /// Whether a frame casts rays towards lights, and whether it casts others.
 pub fn casts(shot: &Shot) -> [bool; 2] {
-    let any = |is: fn(&str) -> bool| shot.statistics.passes.iter().any(|pass| is(pass.name));
-    [any(pass_kind::traces_shadows), any(pass_kind::bounces)]
+    [PassKind::Trace, PassKind::Bounce].map(|kind| shot.statistics.passes.iter().any(|pass| pass.kind == kind))
 }

@@ -168,7 +168,7 @@ fn parts(shots: &[Shot]) -> BTreeMap<String, Spread> {
     let frame = |shot: &Shot| {
         let mut sums = PARTS.map(|name| (name, 0.0));
         for pass in &shot.statistics.passes {
-            let sum = sums.iter_mut().find(|(name, _)| *name == part(pass.name))?;
+            let sum = sums.iter_mut().find(|(name, _)| *name == part(pass.kind))?;
             sum.1 += pass.milliseconds?;
         }
         Some(sums)

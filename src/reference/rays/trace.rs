@@ -1,7 +1,7 @@
 //! Twin of `shaders/trace.wgsl`: the shadow bits of a sample, by every triangle of the scene.
 
-use super::octahedral;
-use super::rays::{self, Ray};
+use super::Ray;
+use crate::reference::{octahedral, rays};
 use crate::{Camera, CastingLight};
 use glam::{DMat4, DVec2, DVec3, DVec4};
 
@@ -150,7 +150,7 @@ impl Input<'_> {
 }
 
 /// 8+8 bits, octahedral.
-pub(super) fn geometric_normal(code: u32) -> DVec3 {
+pub(in crate::reference) fn geometric_normal(code: u32) -> DVec3 {
     let wide = |bits: u32| {
         // To 16 bits: both are shares of the greatest.
         let c = (f64::from(bits as u8 as i8) / 127.0).max(-1.0);

@@ -1,8 +1,46 @@
-//! What the plan says of a pixel.
+//! What the plan says of a pixel, and where it says so.
+
+use crate::TILE;
+
+/// Where pixels and samples lie in the buffers that go tile by tile: `daa_slot` and `daa_sample_index` in WGSL.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Slots {
+    tiles: [u32; 2],
+}
+
+impl Slots {
+    /// The slots of an output of `width` × `height` pixels.
+    pub fn new(width: u32, height: u32) -> Self {
+        Self { tiles: [width, height].map(|side| side.div_ceil(TILE)) }
+    }
+
+    /// The number of tiles along x and y.
+    pub fn tiles(self) -> [u32; 2] {
+        self.tiles
+    }
+
+    /// The number of slots: one for each pixel of each tile, those beyond the image's edge included.
+    pub fn count(self) -> usize {
+        (self.tiles[0] * self.tiles[1] * TILE * TILE) as usize
+    }
+
+    /// The slot of a pixel, below [`count`](Self::count).
+    pub fn pixel(self, x: u32, y: u32) -> usize {
+        let tile = (y / TILE) * self.tiles[0] + x / TILE;
+        (tile * TILE * TILE + (y % TILE) * TILE + x % TILE) as usize
+    }
+
+    /// The place of a pixel's sample in buffers that hold a word for each sample: all samples of rank 0, slot by slot, then those of
+    /// rank 1, and so on.
+    pub fn sample(self, x: u32, y: u32, rank: u32) -> usize {
+        rank as usize * self.count() + self.pixel(x, y)
+    }
+}
 
 /// The word that the plan has of a pixel: [`Intermediates::plan`](crate::Intermediates::plan). What stands in its upper half depends on
 /// the technique. `shaders/shared/plan_word.wgsl` has the same accessors.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(transparent)]
 pub struct PlanWord(pub u32);
 
 /// What decided the k of a window.

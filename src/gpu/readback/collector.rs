@@ -1,9 +1,10 @@
 //! What frames did, on its way from the GPU: counters, times and audits, none of which is ever waited for.
 
 use crate::goal::{Controller, Measured};
-use crate::gpu::audited::{self, Audited};
-use crate::gpu::readback::ReadBack;
+use crate::gpu::readback::read_back::ReadBack;
 use crate::gpu::sizes::tiles;
+use crate::gpu::uniforms::audited::{self, Audited};
+use crate::host::graph::PassKind;
 use crate::host::statistics::{COUNTER_BYTES, Counters, PassTime, Statistics, TileCounts};
 use crate::settings::Technique;
 use crate::techniques::{self, Windows};
@@ -26,8 +27,8 @@ pub(crate) struct Recorded {
     pub effort: Option<f32>,
     /// With an audit.
     pub audited: Option<Audited>,
-    /// Names of its passes.
-    pub passes: Vec<&'static str>,
+    /// Names and kinds of its passes.
+    pub passes: Vec<(&'static str, PassKind)>,
 }
 
 #[derive(Debug)]
@@ -189,6 +190,6 @@ fn read(bytes: &[u8], recorded: &Recorded, nanoseconds_per_tick: Option<f64>) ->
         refraction_rays: counters.refraction_rays,
         tiles: TileCounts { all: x * y, surface: counters.tiles[0], bounce: counters.tiles[1] },
         goal: None,
-        passes: passes.map(|(i, &name)| PassTime { name, milliseconds: milliseconds(i) }).collect(),
+        passes: passes.map(|(i, &(name, kind))| PassTime { name, kind, milliseconds: milliseconds(i) }).collect(),
     }
 }

@@ -1,6 +1,6 @@
 //! What `trace` and `bounce` are told: which samples cast rays, the lights, and the materials that send rays.
 
-use crate::gpu::lattice::{LatticeStep, LatticeUse, Level, StepUniform};
+use crate::gpu::uniforms::lattice::{LatticeStep, LatticeUse, Level, StepUniform};
 use crate::host::error::RecordError;
 use crate::host::needs::{CastingLight, MAX_CASTING_LIGHTS};
 use glam::Vec3;

@@ -1,9 +1,9 @@
 //! Twin of `shaders/bounce.wgsl`: what a sample reflects and refracts, by every triangle of the scene.
 
-use super::rays::{self, Hit, Ray};
 use super::trace::{self, MARGIN};
-use super::{octahedral, resolve};
+use super::{Hit, Ray};
 use crate::rays::Attributes as VertexAttributes;
+use crate::reference::{octahedral, rays, resolve};
 use glam::{DAffine3, DVec2, DVec3, DVec4};
 
 /// What a frame traces and shades from. No mesh is masked.

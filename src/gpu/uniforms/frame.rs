@@ -1,7 +1,7 @@
 //! The frame's constants as shaders have them: `DaaFrame` of frame.wgsl. Techniques fill in their own part.
 
 use crate::TILE;
-use crate::gpu::audited::Audited;
+use crate::gpu::uniforms::audited::Audited;
 use crate::host::error::RecordError;
 use crate::host::frame::Frame;
 use crate::host::needs::RayInputs;

@@ -2,7 +2,7 @@
 
 use crate::gpu::binding::OWN_GROUP;
 use crate::gpu::pipelines::{PipelineKind, Pipelines};
-use crate::gpu::readback::ReadBack;
+use crate::gpu::readback::read_back::ReadBack;
 use crate::gpu::sizes::workgroups;
 use crate::host::check::{InputCounts, InputMistake, InputReport};
 use crate::host::error::RecordError;
@@ -76,7 +76,7 @@ impl InputCheck {
 
     /// Takes in what has arrived.
     pub fn poll(&mut self, m: u32) {
-        let arrived: Option<InputCounts> = self.read_back.take(|bytes| bytemuck::pod_read_unaligned(bytes));
+        let arrived: Option<InputCounts> = self.read_back.take(bytemuck::pod_read_unaligned);
         if let Some(counts) = arrived {
             let (mut mistakes, samples) = std::mem::take(&mut self.begun);
             mistakes.extend(counts.mistakes(samples, m));

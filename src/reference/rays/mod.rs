@@ -1,5 +1,10 @@
 //! Twin of `shaders/rays_software.wgsl`: every triangle against every ray, in f64.
 
+pub mod bounce;
+pub mod classify;
+pub mod shared_exponent;
+pub mod trace;
+
 use glam::{DAffine3, DVec2, DVec3};
 
 /// Points at `origin + t · direction`, t_min < t < t_max.
