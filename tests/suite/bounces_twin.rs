@@ -5,7 +5,7 @@ use bytemuck::pod_collect_to_vec;
 use deferred_aa::glam::{DAffine3, DVec3, Mat4, Vec2, Vec3, Vec4, vec3};
 use deferred_aa::rays::{Attributes, RayTier};
 use deferred_aa::reference::rays::bounce::{Bounce, Input, Sample, Secondary, place};
-use deferred_aa::reference::{rays as twin, shared_exponent, trace};
+use deferred_aa::reference::rays::{self as twin, shared_exponent, trace};
 use deferred_aa::{
     CastingLight, DeferredAa, Descriptor, Frame, Needs, Settings, Shading, Technique, TextureTier, wgpu, window,
 };

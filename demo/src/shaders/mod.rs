@@ -89,7 +89,10 @@ fn key(shader: &Shader) -> (&String, &Vec<(String, f64)>, &String) {
     (&shader.entry, &shader.constants, &shader.source)
 }
 
-fn collect(request: &Request<'_>) -> Result<Vec<(Option<PassInfo>, Vec<Shader>)>, ShadersError> {
+/// A pass and its shaders; of the host's own only the shaders.
+type Shaders = (Option<PassInfo>, Vec<Shader>);
+
+fn collect(request: &Request<'_>) -> Result<Vec<Shaders>, ShadersError> {
     let descriptor = Descriptor {
         m: request.m,
         textures: request.textures,
