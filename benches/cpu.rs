@@ -1,13 +1,13 @@
-//! What runs on the CPU: the check of a host's shading at start-up, the twins of metrics and plan that tests wait for,
-//! and the two levels of the scene for rays.
+//! What runs on the CPU: the check of a host's shading at start-up, the twins of metrics and plan that tests wait for, the two levels
+//! of the scene for rays, and frames: to record one, and from nothing to the first.
 //! `cargo bench --bench cpu`
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use deferred_aa::glam::{Affine3A, Vec3, vec3};
+use deferred_aa::glam::{Affine3A, Mat4, Vec3, vec3};
 use deferred_aa::rays::{BottomLevel, Instance, Mesh, RayScene, RayTier};
 use deferred_aa::reference::metrics::Input;
 use deferred_aa::reference::plan;
-use deferred_aa::{DeferredAa, Shading, TextureTier, Windowed, wgpu};
+use deferred_aa::{Camera, DeferredAa, Descriptor, Frame, Settings, Shading, Technique, TextureTier, Windowed, wgpu};
 use deferred_aa_demo::gpu::{self, Gpu};
 use deferred_aa_demo::host::{self, SHADING_WGSL};
 use std::hint::black_box;
@@ -96,5 +96,66 @@ fn rays(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, shading, twins, rays);
+/// What a frame costs the CPU: to record in a steady state, and from nothing to the first frame.
+fn frames(c: &mut Criterion) {
+    let descriptor = Descriptor {
+        rays: None,
+        ..Descriptor::new(
+            wgpu::TextureFormat::Rgba16Float,
+            Shading { source: "fn shade(s: DaaSample) -> vec4f { return vec4f(s.normal, 1.0); }", file: "bench.wgsl" },
+        )
+    };
+    let gpu = Gpu::new(gpu::choose(None).expect("an adapter"), &descriptor).expect("a device");
+    let (device, queue) = (&gpu.device, &gpu.queue);
+    let target = device.create_texture(&wgpu::TextureDescriptor {
+        label: None,
+        size: wgpu::Extent3d { width: 64, height: 64, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba16Float,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
+        view_formats: &[],
+    });
+    let view = target.create_view(&wgpu::TextureViewDescriptor::default());
+    let camera = Camera {
+        world_from_view: Mat4::IDENTITY,
+        clip_from_view: deferred_aa::glam::camera::rh::proj::directx::perspective_infinite_reverse(1.0, 1.0, 0.1),
+    };
+    let frame =
+        |technique| Frame { settings: Settings { technique, ..Settings::default() }, ..Frame::new(camera, &view) };
+    let node = || {
+        let mut aa = DeferredAa::new(device, &descriptor, None).expect("a node");
+        aa.resize(device, 64, 64).expect("a size");
+        aa
+    };
+    let record = |aa: &mut DeferredAa, technique| {
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        aa.record(queue, &mut encoder, &frame(technique)).expect("a frame");
+        encoder.finish()
+    };
+    let mut group = c.benchmark_group("frame");
+    for technique in [Technique::Single, Technique::Windowed, Technique::Selective, Technique::MultiResolution] {
+        let mut aa = node();
+        queue.submit([record(&mut aa, technique)]);
+        group.bench_function(format!("record/{technique:?}"), |b| {
+            b.iter(|| {
+                // Not submitted: what the driver does with it is not what is measured.
+                drop(record(&mut aa, technique));
+                queue.submit([])
+            });
+        });
+        gpu.wait();
+    }
+    group.sample_size(10);
+    for technique in [Technique::Windowed, Technique::MultiResolution] {
+        group.bench_function(format!("cold start/{technique:?}"), |b| {
+            b.iter(|| queue.submit([record(&mut node(), technique)]));
+        });
+        gpu.wait();
+    }
+    group.finish();
+}
+
+criterion_group!(benches, shading, twins, rays, frames);
 criterion_main!(benches);

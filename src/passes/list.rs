@@ -18,9 +18,9 @@ pub(crate) static PIXELS: PassData = PassData {
     gbuffer: false,
     bindings: &[
         Binding::read(0, "daa_plan", Slot::Part(Part::Plan)),
-        Binding::update(1, "daa_rows", Slot::Part(Part::PixelListRows)),
+        Binding::write(1, "daa_rows", Slot::Part(Part::PixelListRows)),
         Binding::write(2, "daa_list", Slot::Part(Part::PixelListEntries)),
-        Binding::update(3, "daa_work", Slot::Part(Part::PixelListWork)),
+        Binding::write(3, "daa_work", Slot::Part(Part::PixelListWork)),
     ],
     stages: &[
         Stage::new("daa_list_count_pixels", Grid::TileRuns),
@@ -38,9 +38,9 @@ pub(crate) static SAMPLES: PassData = PassData {
     gbuffer: false,
     bindings: &[
         Binding::read(0, "daa_plan", Slot::Part(Part::Plan)),
-        Binding::update(1, "daa_rows", Slot::Part(Part::SampleListRows)),
+        Binding::write(1, "daa_rows", Slot::Part(Part::SampleListRows)),
         Binding::write(2, "daa_list", Slot::Part(Part::SampleListEntries)),
-        Binding::update(3, "daa_work", Slot::Part(Part::SampleListWork)),
+        Binding::write(3, "daa_work", Slot::Part(Part::SampleListWork)),
     ],
     stages: &[
         Stage::new("daa_list_count_samples", Grid::TileRuns),
