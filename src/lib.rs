@@ -1,15 +1,15 @@
 //! Adaptive supersampling for deferred shading.
 //!
-//! A host renders its scene into a G-buffer with m × m samples per pixel. Of these n = m² samples this crate shades only
-//! those that the image needs, with the host's own WGSL, and writes an image close to full supersampling into the host's
-//! target. Each frame stands alone: no history, no motion vectors.
+//! A host renders its scene into a G-buffer with m × m samples per pixel. Of these n = m² samples this crate shades
+//! only those that the image needs, with the host's own WGSL, and writes an image close to full supersampling into the
+//! host's target. Each frame stands alone: no history, no motion vectors.
 //!
 //! ```text
 //!                host                                   deferred-aa
 //! scene ──raster──► G-buffer (m·w × m·h) ─┬─► first     shade the rank-0 sample of every window → S
 //! `material`, `light` or `shade` (WGSL) ──┤   metrics   what differs inside the window, and between neighbours in S
 //! Settings ───────────────────────────────┤   plan      how many samples of each window, and where
-//! Needs: scene for rays, lights, mirrors ─┤   trace     shadow rays; bounce: mirrored and refracted rays (also before first)
+//! Needs: scene for rays, lights, mirrors ─┤   trace     shadow, mirrored and refracted rays (also before first)
 //!                                         │   shade     the host's WGSL on those samples, and their mean
 //!                                         └─► resolve   → target view
 //! ```
@@ -28,8 +28,9 @@
 //! 3. Each frame the host renders into the G-buffer, with fragment shaders that pack their output with
 //!    [`gbuffer::PACK_WGSL`], and calls [`DeferredAa::record`].
 //!
-//! While a host is being written, [`DeferredAa::check_input`] finds probable mistakes in its input. A frame graph records
-//! the [`DeferredAa::passes`] itself, and may [lend](DeferredAa::lend) its memory for the resources between them.
+//! While a host is being written, [`DeferredAa::check_input`] finds probable mistakes in its input. A frame graph
+//! records the [`DeferredAa::passes`] itself, and may [lend](DeferredAa::lend) its memory for the resources between
+//! them.
 //!
 //! `examples/host.rs` in the repository is a complete host in under 120 lines.
 //!
@@ -37,10 +38,10 @@
 //! The techniques come from four papers; the code cites their sections.
 //! - [`Technique::Windowed`]: M. Holländer, T. Boubekeur, E. Eisemann, "Adaptive Supersampling for Deferred
 //!   Anti-Aliasing", Journal of Computer Graphics Techniques 2013.
-//! - [`Technique::Selective`]: B. Jin, I. Ihm, B. Chang, C. Park, W. Lee, S. Jung, "Selective and Adaptive Supersampling
-//!   for Real-Time Ray Tracing", High-Performance Graphics 2009.
-//! - [`Technique::Reconstructed`]: M. Chajdas, M. McGuire, D. Luebke, "Subpixel Reconstruction Antialiasing for Deferred
-//!   Shading", I3D 2011, as extended to ray tracing at WSCG 2012.
+//! - [`Technique::Selective`]: B. Jin, I. Ihm, B. Chang, C. Park, W. Lee, S. Jung, "Selective and Adaptive
+//!   Supersampling for Real-Time Ray Tracing", High-Performance Graphics 2009.
+//! - [`Technique::Reconstructed`]: M. Chajdas, M. McGuire, D. Luebke, "Subpixel Reconstruction Antialiasing for
+//!   Deferred Shading", I3D 2011, as extended to ray tracing at WSCG 2012.
 //! - [`Technique::MultiResolution`]: the University of Alaska Fairbanks thesis on tri-adaptive sampling.
 
 #![deny(missing_docs)]
@@ -94,8 +95,8 @@ pub use {glam, wgpu};
 /// The index of the host's bind group: its WGSL binds at `@group(2)`.
 pub const HOST_GROUP: u32 = 2;
 
-/// All the WGSL that a host's shading may use, except for the texture table ([`DeferredAa::texture_wgsl`]). The node appends
-/// it to the host's source; it is public for tools that parse that source by themselves.
+/// All the WGSL that a host's shading may use, except for the texture table ([`DeferredAa::texture_wgsl`]). The node
+/// appends it to the host's source; it is public for tools that parse that source by themselves.
 pub const CONTRACT_WGSL: &str = wgsl::chunk::CONTRACT;
 
 /// The number of pixels along one side of a tile.
