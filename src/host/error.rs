@@ -1,4 +1,4 @@
-//! What can go wrong, where, and what to do about it.
+//! The errors of the public interface. Each says what is wrong, where, and what to do about it.
 
 use crate::host::graph::Part;
 use crate::rays::RayTier;

@@ -110,7 +110,7 @@ impl Class {
     }
 }
 
-/// Creates the tables of one tier; they share a bind group layout.
+/// Creates the tables of one tier, which share a bind group layout.
 #[derive(Debug)]
 pub(crate) struct Tables {
     pub layout: wgpu::BindGroupLayout,
