@@ -1,6 +1,6 @@
-// Lattices of points over the G-buffer: squares, or triangles whose odd rows are shifted by half a pitch (University of Alaska
-// Fairbanks thesis on tri-adaptive sampling, section 4.3). Every point is a sample of the G-buffer, and every point of a coarse lattice
-// one of the next finer. CPU twin: src/reference/multi_resolution.rs.
+// Lattices of points over the G-buffer: squares, or triangles whose odd rows are shifted by half a pitch (University of
+// Alaska Fairbanks thesis on tri-adaptive sampling, section 4.3). Every point is a sample of the G-buffer, and every
+// point of a coarse lattice one of the next finer. CPU twin: src/reference/multi_resolution.rs.
 
 const DAA_QUAD: u32 = 0u;
 const DAA_TRIANGULAR: u32 = 1u;
@@ -34,15 +34,17 @@ struct DaaStep {
     coarsest: u32,
     /// 1 shadows and 2 reflections and refractions are what it is about; 0: colours.
     rays: u32,
-    /// How far behind a point what its rays found lies in `daa_points`: shadow bits, and the code of shared_exponent.wgsl.
+    /// How far behind a point what its rays found lies in `daa_points`: shadow bits, and the code of
+    /// shared_exponent.wgsl.
     found: u32,
     padding: u32,
     padding_too: vec2u,
 }
 
-/// What is kept of a point: its word, and of its sample the depth, the code of the normal and the identity, which so many look at
-/// that another copy beside the word is sooner read. A word: chosen (1 bit), chosen here or on a coarser lattice (1) | place where that was, or its parents' (3 bits from 4) |
-/// why (8 bits from 8) | why its neighbourhood is refined (8 bits from 24).
+/// What is kept of a point: its word, and of its sample the depth, the code of the normal and the identity, which so
+/// many look at that another copy beside the word is sooner read. A word: chosen (1 bit), chosen here or on a coarser
+/// lattice (1) | place where that was, or its parents' (3 bits from 4) | why (8 bits from 8) | why its neighbourhood is
+/// refined (8 bits from 24).
 const DAA_CHOSEN: u32 = 1u;
 const DAA_HAS_OWN: u32 = 2u;
 

@@ -1,5 +1,5 @@
-// lattice_to_pixels: takes S from the finest lattice, and on request decides which windows are refined beyond it: to 4 samples, to 16, to all.
-// Joined with the chunks of lattices. CPU twin: src/reference/multi_resolution.rs.
+// lattice_to_pixels: takes S from the finest lattice, and on request decides which windows are refined beyond it: to 4
+// samples, to 16, to all. Joined with the chunks of lattices. CPU twin: src/reference/multi_resolution.rs.
 
 @group(3) @binding(3) var daa_first: texture_storage_2d<rgba32float, write>;
 /// For `plan`; and the same where nothing is refined beyond, and no plan follows.
@@ -54,7 +54,8 @@ fn daa_lattice_to_pixels_main(@builtin(workgroup_id) tile: vec3u, @builtin(local
         if supersampled {
             let residual = daa_residual(l, at);
             by = daa_decided_by(residual.by);
-            // A residual is a second difference: where colour is smooth it falls to a quarter with each halving of the pitch.
+            // A residual is a second difference: where colour is smooth it falls to a quarter with each halving of the
+            // pitch.
             var f = 0u;
             var level = daa_frame.multi_resolution.color;
             for (; f < 3u && residual.color > level; f++) {

@@ -1,11 +1,12 @@
-// The chosen points of a lattice: a workgroup has a block, of which each lane has every eighth point along either side. Lanes side by
-// side have points side by side, so what is chosen in clusters is spread evenly. Joined with lattice.wgsl; `daa_wants` and `daa_begin`
-// are the pass's own.
+// The chosen points of a lattice: a workgroup has a block, of which each lane has every eighth point along either side.
+// Lanes side by side have points side by side, so what is chosen in clusters is spread evenly. Joined with
+// lattice.wgsl; `daa_wants` and `daa_begin` are the pass's own.
 
 /// Points of a lane along one side of a block: `points::BLOCK` over 8.
 const DAA_LANE_SIDE: u32 = 4u;
 
-/// A lane's i-th point. Of each 2 × 2 one is that of a coarser lattice, and not chosen again: a lane has all four alike.
+/// A lane's i-th point. Of each 2 × 2 one is that of a coarser lattice, and not chosen again: a lane has all four
+/// alike.
 fn daa_lane_point(lane: vec2u, i: u32) -> vec2i {
     let place = vec2u(i % DAA_LANE_SIDE, i / DAA_LANE_SIDE);
     return vec2i(((lane >> vec2u(3u)) * DAA_LANE_SIDE + place) * 8u + ((lane & vec2u(7u)) ^ (place & vec2u(1u))));

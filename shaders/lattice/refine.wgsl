@@ -1,6 +1,6 @@
-// refine: which points of a lattice are worth their own sample, and what the others are by the coarser points around them (the thesis,
-// section 4.2, Algorithm 1, on nested lattices). Joined with the chunks of lattices and of what a value is. CPU twin:
-// src/reference/multi_resolution.rs.
+// refine: which points of a lattice are worth their own sample, and what the others are by the coarser points around
+// them (the thesis, section 4.2, Algorithm 1, on nested lattices). Joined with the chunks of lattices and of what a
+// value is. CPU twin: src/reference/multi_resolution.rs.
 
 /// Interpolated is what at least this much of the weights speaks for.
 const DAA_LEAST_WEIGHT: f32 = 0.5;

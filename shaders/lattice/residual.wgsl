@@ -1,6 +1,6 @@
-// How far a point departs from what its neighbours on opposite sides would make of it (the thesis, section 4.2.2, Algorithm 1): the mean
-// L1 of colour, channel by channel, and of position. Joined with lattice.wgsl and with what a value is. CPU twin: `residual` of
-// src/reference/multi_resolution.rs.
+// How far a point departs from what its neighbours on opposite sides would make of it (the thesis, section 4.2.2,
+// Algorithm 1): the mean L1 of colour, channel by channel, and of position. Joined with lattice.wgsl and with what a
+// value is. CPU twin: `residual` of src/reference/multi_resolution.rs.
 
 /// A point as its neighbours are compared.
 struct DaaJudged {

@@ -1,9 +1,9 @@
-// bounce: one mirrored and one refracted ray from samples whose material sends them, what they meet shaded by the host's own hook
-// (the secondary rays of subpixel reconstruction for ray tracing, WSCG 2012, section 3). Joined with casting.wgsl, rays.wgsl and the chunk of a tier.
-// CPU twin: src/reference/bounce.rs.
+// bounce: one mirrored and one refracted ray from samples whose material sends them, what they meet shaded by the
+// host's own hook (the secondary rays of subpixel reconstruction for ray tracing, WSCG 2012, section 3). Joined with
+// casting.wgsl, rays.wgsl and the chunk of a tier. CPU twin: src/reference/bounce.rs.
 
-/// What was found, rank by rank: codes of shared_exponent.wgsl. For `Selective` also what the rays of first samples met, behind them.
-/// Where they are kept, the rays of each behind both: mirrored ones, refracted ones · 2¹⁶.
+/// What was found, rank by rank: codes of shared_exponent.wgsl. For `Selective` also what the rays of first samples
+/// met, behind them. Where they are kept, the rays of each behind both: mirrored ones, refracted ones · 2¹⁶.
 @group(3) @binding(5) var<storage, read_write> daa_secondary: array<u32>;
 /// A bit for each material: it sends rays.
 @group(3) @binding(9) var<storage, read> daa_bouncing: array<u32>;
@@ -14,8 +14,8 @@ const DAA_MAX_PASSAGES: u32 = 4u;
 /// What the last ray met that its surface was shaded for, as `daa_secondary_hit` has it.
 var<private> daa_last_hit: vec3u;
 
-/// The angle of a ray's cone is a sample's; its width grows with the way (Akenine-Möller et al. 2019, "Texture Level of Detail
-/// Strategies for Real-Time Ray Tracing", section 20.3.4).
+/// The angle of a ray's cone is a sample's; its width grows with the way (Akenine-Möller et al. 2019, "Texture Level of
+/// Detail Strategies for Real-Time Ray Tracing", section 20.3.4).
 struct DaaCone {
     width: f32,
     spread: f32,
@@ -105,7 +105,8 @@ fn daa_sky_towards(pixel: vec2u, rank: u32, direction: vec3f) -> vec3f {
     return daa_clean(daa_call_sky(s)).color.rgb;
 }
 
-/// What comes along a ray that leaves a surface of `object`. One that is refracted passes through the object's far sides.
+/// What comes along a ray that leaves a surface of `object`. One that is refracted passes through the object's far
+/// sides.
 fn daa_arriving(pixel: vec2u, rank: u32, from_point: vec3f, towards: vec3f, refracted: bool, ior: f32, object: u32, start: DaaCone) -> vec3f {
     var origin = from_point;
     var direction = towards;
@@ -195,8 +196,8 @@ fn daa_bounce_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocatio
             if dot(direction, direction) == 0.0 {
                 continue;
             }
-            // A normal map may send a mirrored ray into the surface: along it then, risen by more than the 1° within which the
-            // geometric normal is known, else it may meet the triangle that it leaves.
+            // A normal map may send a mirrored ray into the surface: along it then, risen by more than the 1° within
+            // which the geometric normal is known, else it may meet the triangle that it leaves.
             let into = dot(direction, s.geometric_normal);
             if kind == 0u && into < 0.0 {
                 direction += s.geometric_normal * (0.02 - into);

@@ -1,5 +1,5 @@
-// What `trace` and `bounce` share: which samples they work on, and shadow rays. Joined with the rays' chunks, lattice.wgsl and
-// listing.wgsl; `daa_wants` and `daa_begin` are the pass's own.
+// What `trace` and `bounce` share: which samples they work on, and shadow rays. Joined with the rays' chunks,
+// lattice.wgsl and listing.wgsl; `daa_wants` and `daa_begin` are the pass's own.
 
 @group(3) @binding(1) var<storage, read> daa_ray_geometry: array<vec4u>;
 @group(3) @binding(2) var<storage, read> daa_ray_top: array<vec4u>;
@@ -125,9 +125,9 @@ fn daa_ranks(group: vec2u, lane: u32, kind: u32) -> DaaRanks {
     }
 }
 
-/// How far rays start from a surface: 2⁻¹⁶ of its distance, for what the depth buffer and the ray scene round differently.
-/// Coordinates in the world have no part in it, as both are relative to the camera; those of a mesh's own space do, where they
-/// are much larger (`RayScene::least_offset`).
+/// How far rays start from a surface: 2⁻¹⁶ of its distance, for what the depth buffer and the ray scene round
+/// differently. Coordinates in the world have no part in it, as both are relative to the camera; those of a mesh's own
+/// space do, where they are much larger (`RayScene::least_offset`).
 fn daa_ray_offset(relative: vec3f) -> f32 {
     let from_camera = abs(relative);
     let by_distance = max(max(from_camera.x, from_camera.y), from_camera.z) * 1.52587890625e-5;
@@ -149,8 +149,8 @@ fn daa_shadow(i: u32, position: vec3f, normal: vec3f, geometric_normal: vec3f, o
     if dot(normal, towards) <= 0.0 {
         return vec2u(1u, 0u);
     }
-    // Where the smooth surface faces the light and its coarse triangle does not, the ray starts inside of the body, and where
-    // it leaves it that does not count: else the triangles would show at the terminator.
+    // Where the smooth surface faces the light and its coarse triangle does not, the ray starts inside of the body, and
+    // where it leaves it that does not count: else the triangles would show at the terminator.
     let inside = dot(geometric_normal, towards) <= 0.0;
     let origin = position + geometric_normal * select(daa_ray_offset(position), -daa_ray_offset(position), inside);
     var ray = DaaRay(origin, 0.0, towards, 1e30);

@@ -17,7 +17,8 @@ struct DaaTileClass {
 struct DaaTileLists {
     /// 0: with a surface, 1: with one that sends rays.
     classes: array<DaaTileClass, 2>,
-    /// Indices of tiles, in no order; those of class 1 begin at the number of all tiles. Behind them, by tile, a bit for each class.
+    /// Indices of tiles, in no order; those of class 1 begin at the number of all tiles. Behind them, by tile, a bit
+    /// for each class.
     tiles: array<u32>,
 }
 

@@ -1,5 +1,5 @@
-// trace: from the samples that will be shaded, rays towards the lights that cast shadows. Joined with casting.wgsl, rays.wgsl and
-// the chunk of a tier. CPU twin: src/reference/trace.rs.
+// trace: from the samples that will be shaded, rays towards the lights that cast shadows. Joined with casting.wgsl,
+// rays.wgsl and the chunk of a tier. CPU twin: src/reference/trace.rs.
 
 /// The shadow bits of all samples, rank by rank. Where they are kept, the rays of each behind them, likewise.
 @group(3) @binding(5) var<storage, read_write> daa_shadows: array<u32>;
@@ -14,8 +14,8 @@ fn daa_wants(point: DaaPoint) -> bool {
 /// All are written.
 fn daa_begin(index: u32) {}
 
-/// Whether rays could tell the samples of a window apart: it holds two surfaces, or the first samples of the windows around it
-/// differ in shadow or identity.
+/// Whether rays could tell the samples of a window apart: it holds two surfaces, or the first samples of the windows
+/// around it differ in shadow or identity.
 fn daa_worth_tracing(pixel: vec2u) -> bool {
     let identity = textureLoad(daa_gbuffer_surface, pixel * DAA_M + daa_order(0u), 0).y;
     for (var rank = 1u; rank < daa_frame.reconstruct.samples; rank++) {

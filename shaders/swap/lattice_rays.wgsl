@@ -1,4 +1,5 @@
-// The values of a lattice of points that cast rays: beside the points, and for those in the image where those of all samples are.
+// The values of a lattice of points that cast rays: beside the points, and for those in the image where those of all
+// samples are.
 
 @group(3) @binding(0) var<uniform> daa_step: DaaStep;
 @group(3) @binding(1) var<storage, read_write> daa_points: array<vec4u>;

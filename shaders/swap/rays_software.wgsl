@@ -1,7 +1,7 @@
-// rays_software: traversal without hardware. Two levels of eight-way compressed nodes (Ylitie, Karras, Laine 2017, in obvhs's
-// layout), boxes tested with room for rounding (Ize 2013), triangles watertight (Woop, Benthin, Wald 2013).
-// Joined with rays.wgsl; the module declares daa_ray_nodes, daa_ray_geometry, daa_ray_top and daa_ray_solid.
-// CPU twin: src/reference/rays.rs, by brute force.
+// rays_software: traversal without hardware. Two levels of eight-way compressed nodes (Ylitie, Karras, Laine 2017, in
+// obvhs's layout), boxes tested with room for rounding (Ize 2013), triangles watertight (Woop, Benthin, Wald 2013).
+// Joined with rays.wgsl; the module declares daa_ray_nodes, daa_ray_geometry, daa_ray_top and daa_ray_solid. CPU twin:
+// src/reference/rays.rs, by brute force.
 
 /// Of each level at most one group waits, of an instance that is entered two more: see src/rays/mesh.rs.
 const DAA_RAY_STACK: u32 = 60u;
@@ -113,8 +113,8 @@ fn daa_edge(p: vec3f, q: vec3f) -> f32 {
     return select(area, -area, swapped);
 }
 
-/// Where the ray hits a triangle: t, weights of the three vertices. t = `t_max` if it does not. Edges and vertices count
-/// as inside, for both of their triangles.
+/// Where the ray hits a triangle: t, weights of the three vertices. t = `t_max` if it does not. Edges and vertices
+/// count as inside, for both of their triangles.
 struct DaaTriangleHit {
     t: f32,
     barycentrics: vec2f,
@@ -143,8 +143,8 @@ fn daa_triangle(s: DaaShear, t_min: f32, t_max: f32, a: vec3f, b: vec3f, c: vec3
     return DaaTriangleHit(t, vec2f(v, w) / area, area > 0.0);
 }
 
-/// The first hit of the ray; with `any`, whichever comes first in the tree. Triangles of the object `through` that are seen
-/// from behind do not count: DAA_MISS if all do.
+/// The first hit of the ray; with `any`, whichever comes first in the tree. Triangles of the object `through` that are
+/// seen from behind do not count: DAA_MISS if all do.
 fn daa_trace(ray: DaaRay, any: bool, through: u32) -> DaaHit {
     var hit = DaaHit(ray.t_max, DAA_MISS, 0u, 0u, vec2f(0.0), 0u, 0u);
     if daa_ray_top[0].y == 0u {

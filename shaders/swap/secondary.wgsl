@@ -9,7 +9,8 @@ fn daa_secondary_code(pixel: vec2u, rank: u32) -> u32 {
     return daa_traced_secondary[daa_sample_index(pixel, rank)];
 }
 
-/// What the first sample's mirrored (kind 0) or refracted (1) ray met: object | material << 16, normal, shadow bits. 0: nothing.
+/// What the first sample's mirrored (kind 0) or refracted (1) ray met: object | material << 16, normal, shadow bits. 0:
+/// nothing.
 fn daa_secondary_hit(pixel: vec2u, kind: u32) -> vec3u {
     // Behind the codes of all samples, word by word.
     let word = DAA_M * DAA_M + kind * 3u;
