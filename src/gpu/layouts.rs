@@ -1,4 +1,4 @@
-//! Rust and WGSL hold the same structs and numbers.
+//! Tests that Rust and WGSL have the same structs and numbers.
 
 mod compare;
 
