@@ -340,7 +340,7 @@ impl TimeSearch {
         if let (Some(fast), Some(slow)) = (self.fast, self.slow)
             && fast.0 >= slow.0
         {
-            // The scene has changed, and the older of the two no longer holds.
+            // The two contradict each other, so the older one is dropped.
             if share <= 1.0 { self.slow = None } else { self.fast = None }
         }
         if Self::CLOSE.contains(&share) || (self.effort >= MOST && share <= 1.0) {

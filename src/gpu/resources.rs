@@ -62,8 +62,8 @@ pub(crate) struct SizedResources {
 }
 
 impl SizedResources {
-    /// Creates the resources. The G-buffer's attachments that are lent neither in `old`, which has the same size, nor
-    /// now are taken over from it.
+    /// Creates the resources. Parts that are lent neither in `old`, which has the same size, nor now are taken over
+    /// from it.
     pub fn new(device: &wgpu::Device, shape: &Shape, loans: Loans, old: Option<&Self>) -> Self {
         let mut parts = HashMap::new();
         if let Some(old) = old {

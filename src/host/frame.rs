@@ -24,8 +24,8 @@ pub struct Frame<'a> {
     pub camera: Camera,
     /// The settings, which may change from frame to frame.
     pub settings: Settings,
-    /// A finite factor above 0 on radiance, for the luminance metric and the luminance weight only; the image is
-    /// written unexposed. Choose it so that radiance × exposure is about 1 in the bright parts of a picture.
+    /// A finite factor above 0 on radiance, for the metrics and the luminance weight; the image is written unexposed.
+    /// Choose it so that radiance × exposure is about 1 in the bright parts of a picture.
     pub exposure: f32,
     /// The host's bind group, set at [`HOST_GROUP`](crate::HOST_GROUP) in the passes that run its WGSL. Required if
     /// [`new`](crate::DeferredAa::new) was given a layout.
