@@ -350,7 +350,8 @@ fn tiles_are_the_shaders() {
         }
     }
     assert_eq!(seen, (1 << expected.len()) - 1, "an entry point is gone");
-    // The literals that follow from TILE = 8: a shift by 3, a mask of 7, 64 windows, and 64 · 63 samples beyond the first.
+    // The literals that follow from TILE = 8: a shift by 3, a mask of 7, 64 windows, and 64 · 63 samples beyond the
+    // first.
     assert_eq!(TILE, 1 << 3);
     assert_eq!(crate::Windowed::NO_TILE_LIMIT, TILE * TILE * (crate::window::MAX_M.pow(2) - 1));
 }
