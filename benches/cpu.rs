@@ -3,7 +3,7 @@
 //! `cargo bench --bench cpu`
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use deferred_aa::glam::{Affine3A, Mat4, Vec3, vec3};
+use deferred_aa::glam::{self, Affine3A, Mat4, Vec3, vec3};
 use deferred_aa::rays::{BottomLevel, Instance, Mesh, RayScene, RayTier};
 use deferred_aa::reference::metrics::Input;
 use deferred_aa::reference::plan;
@@ -120,7 +120,7 @@ fn frames(c: &mut Criterion) {
     let view = target.create_view(&wgpu::TextureViewDescriptor::default());
     let camera = Camera {
         world_from_view: Mat4::IDENTITY,
-        clip_from_view: deferred_aa::glam::camera::rh::proj::directx::perspective_infinite_reverse(1.0, 1.0, 0.1),
+        clip_from_view: glam::camera::rh::proj::directx::perspective_infinite_reverse(1.0, 1.0, 0.1),
     };
     let frame =
         |technique| Frame { settings: Settings { technique, ..Settings::default() }, ..Frame::new(camera, &view) };

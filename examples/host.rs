@@ -1,5 +1,5 @@
-//! A whole host: rasters a fan of blades into the node's G-buffer, shades them with WGSL of its own, and reads back the
-//! image and what it took. `cargo run --example host`
+//! A complete host: renders a fan of blades into the node's G-buffer, shades them with its own WGSL, and reads back the
+//! image and the statistics. Run it with `cargo run --example host`.
 
 use deferred_aa::glam::{Mat4, Vec3, camera::rh::proj::directx};
 use deferred_aa::wgpu::{self, BindingType, BufferBindingType, util::DeviceExt as _};
@@ -8,13 +8,13 @@ use deferred_aa::{Camera, DeferredAa, Descriptor, Frame, GBuffer, Settings, Shad
 pub const SIZE: wgpu::Extent3d = wgpu::Extent3d { width: 256, height: 192, depth_or_array_layers: 1 };
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 
-/// The host's raster shader, joined with `gbuffer::PACK_WGSL`: each fragment goes into the G-buffer through `daa_pack`.
+/// The host's raster shader, joined with `gbuffer::PACK_WGSL`. `daa_pack` packs each fragment into the G-buffer.
 const RASTER: &str = "
 @group(0) @binding(0) var<uniform> clip_from_view: mat4x4f;
 struct Blade { @builtin(position) clip: vec4f, @location(0) normal: vec3f, @location(1) @interpolate(flat) object: u32 }
 @vertex fn vertex(@builtin(vertex_index) corner: u32, @builtin(instance_index) i: u32) -> Blade {
     let along = vec3f(cos(f32(i) * 0.571), sin(f32(i) * 0.571), 0.0);
-    let across = normalize(vec3f(-along.y, along.x, 0.6)); // Tilted: each catches the light in its own way.
+    let across = normalize(vec3f(-along.y, along.x, 0.6)); // Tilted, so that each blade is lit differently.
     let p = select(along * 1.2 + across * (f32(corner) - 1.5) * 0.4, vec3f(0.0), corner == 0u);
     return Blade(clip_from_view * vec4f(p.xy, p.z - 3.0, 1.0), cross(along, across), i + 1u);
 }
@@ -24,7 +24,7 @@ struct Blade { @builtin(position) clip: vec4f, @location(0) normal: vec3f, @loca
     return daa_pack(f);
 }";
 
-/// The host's shading; `shaders/contract.wgsl` has all that it may use.
+/// The host's shading. `shaders/contract.wgsl` has everything that it may use.
 const SHADING: &str = "
 @group(2) @binding(0) var<uniform> to_light: vec4f;
 fn shade(s: DaaSample) -> vec4f {
@@ -39,9 +39,9 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// One frame: RGBA bytes row by row, and what it took.
+/// Renders one frame, and returns its RGBA bytes row by row with its statistics.
 pub fn render(settings: Settings) -> Result<(Vec<u8>, Statistics), Box<dyn std::error::Error>> {
-    // A device that has what the node needs.
+    // A device with the features and limits that the node needs.
     let shading = Shading { source: SHADING, file: "SHADING" };
     let node = Descriptor::new(FORMAT, shading);
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
@@ -51,7 +51,7 @@ pub fn render(settings: Settings) -> Result<(Vec<u8>, Statistics), Box<dyn std::
     let (required_features, required_limits) = (needs.features, needs.limits);
     let request = wgpu::DeviceDescriptor { required_features, required_limits, ..Default::default() };
     let (device, queue) = pollster::block_on(adapter.request_device(&request))?;
-    // The node, with the layout of what SHADING binds.
+    // The node, with the layout of the bind group of SHADING.
     let ty = BindingType::Buffer { ty: BufferBindingType::Uniform, has_dynamic_offset: false, min_binding_size: None };
     let entry = wgpu::BindGroupLayoutEntry { binding: 0, visibility: wgpu::ShaderStages::COMPUTE, ty, count: None };
     let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries: &[entry] });
@@ -93,7 +93,7 @@ pub fn render(settings: Settings) -> Result<(Vec<u8>, Statistics), Box<dyn std::
         usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
         view_formats: &[],
     });
-    // The frame: the G-buffer, the node, and a copy to look at.
+    // The frame: the G-buffer, the node's passes, and a copy of the image.
     let mut encoder = device.create_command_encoder(&Default::default());
     let gbuffer = aa.gbuffer().ok_or("resize first")?;
     let color_attachments = &gbuffer.color_attachments();

@@ -1,57 +1,63 @@
-// The contract between deferred-aa and a host's shading code: all that a host reads or writes.
-// Joined after the host's source in every module that shades. Names of the crate begin with daa_, Daa or DAA_.
+// The contract between deferred-aa and a host's shading code: everything that this code reads or returns. Names that
+// begin with daa_, Daa or DAA_ belong to the crate.
 
-/// Samples along one side of a pixel's window; n = m².
+/// The number of samples along one side of a pixel's window; n = m².
 override DAA_M: u32 = 1u;
 
-/// One sample of the G-buffer, as `material`, `shade` and `sky` see it.
+/// One sample of the G-buffer: the argument of `shade`, `material`, `sky` and `bounce`.
 struct DaaSample {
-    /// World space.
+    /// Position in world space.
     position: vec3f,
-    /// Distance along the view direction of the camera, world units. 0 for the sky.
+    /// Distance along the view direction of the camera in world units; 0 for the sky.
     depth: f32,
-    /// From the camera; exact where world coordinates are large.
+    /// Position relative to the camera, in world space. Precise even where world coordinates are large.
     relative_position: vec3f,
+    /// Index of the material.
     material: u32,
     /// Unit vector from the sample to the camera.
     view: vec3f,
+    /// Id of the object.
     object: u32,
-    /// Unit normal of the triangle, on the side that is seen (8+8 bits: within 1°).
+    /// Unit normal of the triangle, on the visible side (8+8 bits: accurate within 1°).
     geometric_normal: vec3f,
     /// The host's own 32 bits.
     user: u32,
-    /// Unit interpolated normal (16+16 bits: within 0.004°).
+    /// Unit interpolated normal (16+16 bits: accurate within 0.004°).
     normal: vec3f,
-    /// Bit i set: light i does not reach the sample.
+    /// Shadow bits: bit i is set if light i does not reach the sample.
     shadow: u32,
-    /// Unit tangent and the sign of the bitangent: B = w (N × T).
+    /// Unit tangent, and the sign of the bitangent: B = w (N × T).
     tangent: vec4f,
+    /// Texture coordinates.
     uv: vec2f,
-    /// The footprint that this sample stands for, along x: about √(n/k) times its own.
+    /// Gradient of uv along x, over the area that the sample stands for: about √(n/k) times the sample's own.
     ddx: vec2f,
-    /// Along y.
+    /// Gradient of uv along y, likewise.
     ddy: vec2f,
     /// The output pixel.
     pixel: vec2u,
-    /// Radiance from reflection and refraction rays, to be added as it is. 0 where the crate adds it to every sample itself.
+    /// Radiance from reflection and refraction rays, to be added to the result unchanged. 0 where the crate adds it
+    /// itself.
     secondary: vec3f,
-    /// The sample's place in the order of its window.
+    /// The sample's position in the order of its window.
     rank: u32,
-    /// 1 if reflections and refractions were traced; 0 if the host had better stand in for them.
+    /// 1 if reflections and refractions were traced. If 0, the host may substitute an approximation.
     traced: u32,
 }
 
-/// A piece of surface under one pixel, as `light` sees it: a sample, or the centroid of several.
+/// A piece of surface under one pixel, as `light` sees it: a single sample, or the centroid of several.
 struct DaaSurface {
-    /// World space.
+    /// Position in world space.
     position: vec3f,
-    /// Distance along the view direction of the camera, world units.
+    /// Distance along the view direction of the camera in world units.
     depth: f32,
-    /// From the camera.
+    /// Position relative to the camera, in world space.
     relative_position: vec3f,
+    /// Index of the material.
     material: u32,
     /// Unit vector to the camera.
     view: vec3f,
+    /// Id of the object.
     object: u32,
     /// Unit normal of the triangle.
     geometric_normal: vec3f,
@@ -59,46 +65,47 @@ struct DaaSurface {
     user: u32,
     /// Unit interpolated normal, before normal maps.
     normal: vec3f,
-    /// Bit i set: light i does not reach the surface.
+    /// Shadow bits: bit i is set if light i does not reach the surface.
     shadow: u32,
-    /// Radiance from reflection and refraction rays, to be added as it is. 0 where the crate adds it to every sample itself.
+    /// Radiance from reflection and refraction rays, to be added to the result unchanged. 0 where the crate adds it
+    /// itself.
     secondary: vec3f,
-    /// Its share of the window, above 0, at most 1.
+    /// The share of the window that the surface stands for, above 0 and at most 1.
     coverage: f32,
     /// The output pixel.
     pixel: vec2u,
-    /// 1 if reflections and refractions were traced; 0 if the host had better stand in for them.
+    /// 1 if reflections and refractions were traced. If 0, the host may substitute an approximation.
     traced: u32,
 }
 
-/// What a surface reflects and refracts: the host's `bounce` says it.
+/// What a surface reflects and refracts: the result of the host's `bounce`.
 struct DaaBounce {
-    /// Weight of the radiance that the mirrored ray meets; 0: none is traced.
+    /// Weight of the radiance along the mirrored ray; 0: no ray is traced.
     reflection: vec3f,
-    /// Index of refraction of the object's inside over its outside; 1: the ray goes straight on.
+    /// Index of refraction inside the object over that outside; 1: the ray is not bent.
     ior: f32,
-    /// Weight of what the refracted ray meets; 0: none is traced.
+    /// Weight of the radiance along the refracted ray; 0: no ray is traced.
     refraction: vec3f,
-    /// World space, unit length: both are taken about it.
+    /// Unit normal in world space, about which the rays are mirrored and refracted.
     normal: vec3f,
 }
 
-/// What textures say about a sample. The crate may average it over several samples of one surface, so every
-/// field must mean something when averaged; `user` fields are the host's own.
+/// The material of a sample, read from textures: the result of `material`. The crate may average it over several
+/// samples of one surface, so each field must be meaningful when averaged. The `user` fields are the host's own.
 struct DaaMaterial {
-    /// Linear, with alpha.
+    /// Linear base colour and alpha.
     base_color: vec4f,
-    /// Linear radiance.
+    /// Linear emitted radiance.
     emissive: vec3f,
     /// Perceptual roughness, 0 to 1.
     roughness: f32,
-    /// World space, after normal maps. An average may be shorter than 1.
+    /// Normal in world space after normal mapping. An average may be shorter than 1.
     normal: vec3f,
-    /// 0 dielectric, 1 metal.
+    /// Metalness: 0 for a dielectric, 1 for a metal.
     metallic: f32,
     user0: vec4f,
     user1: vec4f,
-    /// Ambient visibility, 0 to 1.
+    /// Ambient visibility, 0 to 1: 1 where nothing is occluded.
     occlusion: f32,
 }
 
@@ -122,7 +129,7 @@ fn daa_surface(s: DaaSample, coverage: f32) -> DaaSurface {
     return f;
 }
 
-/// A tangent-space normal (x, y in [−1, 1] along tangent and bitangent) in world space, unit length.
+/// Transforms a tangent-space normal (x and y in [−1, 1] along tangent and bitangent) to world space; unit length.
 fn daa_apply_normal_map(s: DaaSample, n: vec3f) -> vec3f {
     let bitangent = cross(s.normal, s.tangent.xyz) * s.tangent.w;
     let world = s.tangent.xyz * n.x + bitangent * n.y + s.normal * n.z;

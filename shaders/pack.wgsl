@@ -1,38 +1,40 @@
-// Packs a fragment into the G-buffer. A host joins octahedral.wgsl and this file with its raster shader and returns
-// `daa_pack(fragment)` from its fragment entry point.
+// Packs a fragment into the G-buffer. `gbuffer::PACK_WGSL` has octahedral.wgsl and this file. A host joins them with
+// its raster shader and returns `daa_pack(fragment)` from its fragment entry point.
 
-/// What the host's fragment shader knows.
+/// The surface attributes of a fragment, set by the host's fragment shader.
 struct DaaFragment {
-    /// Interpolated normal, world space, any length above 0, on the side that is seen.
+    /// Interpolated normal in world space, of any length above 0, on the visible side.
     normal: vec3f,
-    /// Index into the host's materials, below 65536.
+    /// Index of the material, below 65536.
     material: u32,
-    /// Normal of the triangle, world space, any length above 0, on the side that is seen.
+    /// Normal of the triangle in world space, of any length above 0, on the visible side.
     geometric_normal: vec3f,
-    /// Which object this is, below 65536. Two objects that touch need two ids.
+    /// Id of the object, below 65536. Two objects that touch need different ids.
     object: u32,
-    /// World space; w the sign of the bitangent. Zero if there is none.
+    /// Tangent in world space; w is the sign of the bitangent. Zero if there is none.
     tangent: vec4f,
+    /// Texture coordinates.
     uv: vec2f,
-    /// dpdx(uv): per sample of the G-buffer.
+    /// dpdx(uv), the gradient per sample of the G-buffer.
     ddx: vec2f,
-    /// dpdy(uv).
+    /// dpdy(uv), the gradient per sample of the G-buffer.
     ddy: vec2f,
     /// The host's own 32 bits.
     user: u32,
 }
 
-/// The colour targets of the G-buffer, 32 bytes a sample.
+/// The colour targets of the G-buffer, 32 bytes per sample.
 struct DaaGBuffer {
-    /// Normal 16+16 bits octahedral; material 16 | object 16.
+    /// Normal (octahedral, 16+16 bits); material (16 bits) and object (16 bits).
     @location(0) surface: vec2u,
-    /// Geometric normal 8+8 bits octahedral, tangent 16; the host's 32 bits.
+    /// Geometric normal (octahedral, 8+8 bits) and tangent (16 bits); the host's 32 bits.
     @location(1) frame: vec2u,
-    /// u, v as f32; the gradients as four f16.
+    /// u and v as f32; the gradients as four f16.
     @location(2) uv: vec4u,
 }
 
-/// Finite and inside f16; infinity and NaN by their bits, since a compiler may assume that they never occur.
+/// Clamps to the range of f16, and replaces infinity and NaN by 0. These are recognised by their bits, since a compiler
+/// may assume that they never occur.
 fn daa_finite_half(v: vec2f) -> vec2f {
     let bits = bitcast<vec2u>(v) & vec2u(0x7f800000u);
     return select(clamp(v, vec2f(-65504.0), vec2f(65504.0)), vec2f(0.0), bits == vec2u(0x7f800000u));

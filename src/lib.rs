@@ -1,39 +1,48 @@
 //! Adaptive supersampling for deferred shading.
 //!
-//! A host renders its scene into a G-buffer enlarged m × m. Of the n = m² samples behind each pixel this crate shades
-//! those that are worth it with the host's own WGSL, and writes an image as good as full supersampling into the host's
-//! target. One frame in, one frame out: no history, no motion vectors.
+//! A host renders its scene into a G-buffer with m × m samples per pixel. Of these n = m² samples this crate shades
+//! only those that the image needs, with the host's own WGSL, and writes an image close to full supersampling into the
+//! host's target. Each frame stands alone: no history, no motion vectors.
 //!
 //! ```text
 //!                host                                   deferred-aa
 //! scene ──raster──► G-buffer (m·w × m·h) ─┬─► first     shade the rank-0 sample of every window → S
 //! `material`, `light` or `shade` (WGSL) ──┤   metrics   what differs inside the window, and between neighbours in S
 //! Settings ───────────────────────────────┤   plan      how many samples of each window, and where
-//! Needs: scene for rays, lights, mirrors ─┤   trace     shadow rays, and bounce: mirrored and refracted ones (before first, too)
+//! Needs: scene for rays, lights, mirrors ─┤   trace     shadow, mirrored and refracted rays (also before first)
 //!                                         │   shade     the host's WGSL on those samples, and their mean
 //!                                         └─► resolve   → target view
 //! ```
 //!
-//! # Words
-//! *Window*: the m × m samples behind one pixel. *Rank*: a sample's place in the window's order; rank 0 is shaded first.
-//! *k*: how many samples of a window are shaded, 1 to n, the first included. *S*: the image of first samples.
-//! *Sample ratio*: shaded samples over n · w · h.
+//! # Terms
+//! - *Window*: the m × m samples of one pixel.
+//! - *Rank*: the position of a sample in the order of its window; rank 0 is shaded first.
+//! - *k*: the number of samples of a window that are shaded, 1 to n, the first included.
+//! - *S*: the image of the first samples.
+//! - *Sample ratio*: the number of shaded samples over n · w · h.
 //!
 //! # Integration
-//! 1. [`DeferredAa::requirements`] says what the device must have; create it so.
-//! 2. [`DeferredAa::new`] takes the host's WGSL ([`Shading`]) and checks it; [`DeferredAa::resize`] makes the
+//! 1. [`DeferredAa::requirements`] says which features and limits to request of the device.
+//! 2. [`DeferredAa::new`] takes the host's WGSL ([`Shading`]) and checks it; [`DeferredAa::resize`] creates the
 //!    [`GBuffer`].
-//! 3. Each frame the host renders into the G-buffer, its fragment shaders packing with [`gbuffer::PACK_WGSL`], and calls
-//!    [`DeferredAa::record`].
+//! 3. Each frame the host renders into the G-buffer, with fragment shaders that pack their output with
+//!    [`gbuffer::PACK_WGSL`], and calls [`DeferredAa::record`].
 //!
-//! While a host is written, [`DeferredAa::check_input`] says what of its input is probably a mistake. A frame graph records
-//! [`DeferredAa::passes`] itself, and may [lend](DeferredAa::lend) its memory for what they pass on.
+//! While a host is being written, [`DeferredAa::check_input`] finds probable mistakes in its input. A frame graph
+//! records the [`DeferredAa::passes`] itself, and may [lend](DeferredAa::lend) its memory for the resources between
+//! them.
 //!
-//! `examples/host.rs` in the repository is a whole host in under 120 lines.
+//! `examples/host.rs` in the repository is a complete host in under 120 lines.
 //!
 //! # Source
-//! The techniques come from M. Holländer, T. Boubekeur, E. Eisemann, "Adaptive Supersampling for Deferred Anti-Aliasing",
-//! Journal of Computer Graphics Techniques 2013; sections are cited where they are used.
+//! The techniques come from four papers; the code cites their sections.
+//! - [`Technique::Windowed`]: M. Holländer, T. Boubekeur, E. Eisemann, "Adaptive Supersampling for Deferred
+//!   Anti-Aliasing", Journal of Computer Graphics Techniques 2013.
+//! - [`Technique::Selective`]: B. Jin, I. Ihm, B. Chang, C. Park, W. Lee, S. Jung, "Selective and Adaptive
+//!   Supersampling for Real-Time Ray Tracing", High-Performance Graphics 2009.
+//! - [`Technique::Reconstructed`]: M. Chajdas, M. McGuire, D. Luebke, "Subpixel Reconstruction Antialiasing for
+//!   Deferred Shading", I3D 2011, as extended to ray tracing at WSCG 2012.
+//! - [`Technique::MultiResolution`]: the University of Alaska Fairbanks thesis on tri-adaptive sampling.
 
 #![deny(missing_docs)]
 
@@ -83,17 +92,22 @@ pub use settings::{
 };
 pub use {glam, wgpu};
 
-/// `@group` of the host's bindings.
+/// The index of the host's bind group: its WGSL binds at `@group(2)`.
 pub const HOST_GROUP: u32 = 2;
 
-/// All WGSL that a host's shading may use but for the texture table's ([`DeferredAa::texture_wgsl`]): joined behind it where it runs. For
-/// tools that parse it by itself.
+/// All the WGSL that a host's shading may use, except for the texture table ([`DeferredAa::texture_wgsl`]). The node
+/// appends it to the host's source; it is public for tools that parse that source by themselves.
 pub const CONTRACT_WGSL: &str = wgsl::chunk::CONTRACT;
 
-/// Pixels along one side of a tile.
+/// The number of pixels along one side of a tile.
 pub const TILE: u32 = 8;
 
-/// The blocks of the guide are compiled by the tests.
+// Compiles the code blocks of the guide and the README as documentation tests.
+
 #[cfg(doctest)]
 #[doc = include_str!("../docs/integration.md")]
 struct Integration;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -1,4 +1,4 @@
-//! The node: what a host builds, resizes and records.
+//! The node that a host creates, resizes and records.
 
 use crate::goal::Controller;
 use crate::gpu::binding::{Slot, frame_layout};
@@ -45,8 +45,8 @@ use std::sync::Arc;
 /// aa.record(&queue, &mut encoder, &frame)?;
 /// ```
 ///
-/// It never submits and never waits. After [`resize`](Self::resize) and the first frame of a technique it allocates no
-/// GPU resource.
+/// The node never submits to the queue and never waits for the GPU. After [`resize`](Self::resize) and the first frame
+/// of a technique it allocates no GPU resource.
 #[derive(Debug)]
 pub struct DeferredAa {
     pipelines: Arc<Pipelines>,
@@ -54,20 +54,22 @@ pub struct DeferredAa {
     buffers: NodeBuffers,
     resources: Option<SizedResources>,
     collector: Collector,
-    /// From the first check.
+    /// Created by the first check.
     check: Option<InputCheck>,
     controller: Controller,
     frame: u64,
 }
 
 impl DeferredAa {
-    /// What a node with this descriptor needs of a device, and what this adapter can't give. Creates nothing.
+    /// Returns the features, limits and memory that a node with this descriptor needs, and what the adapter lacks.
+    /// Creates nothing.
     pub fn requirements(adapter: &wgpu::Adapter, descriptor: &Descriptor<'_>) -> Requirements {
         Requirements::of(adapter, descriptor)
     }
 
-    /// Checks the host's WGSL and builds the node. `host_layout` is the layout of the host's bind group, `None` if its WGSL
-    /// binds nothing. Pipelines are compiled when a frame first needs them; [`warm_up`](Self::warm_up) does it ahead.
+    /// Checks the host's WGSL and builds the node. `host_layout` is the layout of the host's bind group, `None` if its
+    /// WGSL binds nothing. Pipelines are compiled when a frame first needs them; [`warm_up`](Self::warm_up) compiles
+    /// them ahead.
     pub fn new(
         device: &wgpu::Device,
         descriptor: &Descriptor<'_>,
@@ -102,7 +104,7 @@ impl DeferredAa {
             host_layout: host_layout.cloned(),
         };
         let pipelines = Pipelines::new(build);
-        // A layout that does not fit the WGSL shows here, not in the first frame.
+        // Compiled now, so that a layout that does not fit the WGSL is an error here and not in the first frame.
         pipelines.warm_up(&[(&crate::passes::first::FIRST).into()], RayInputs::default()).map_err(|e| match e {
             RecordError::Pipeline(e) => BuildError::Pipeline(e),
             other => BuildError::Missing(vec![other.to_string()]),
@@ -119,7 +121,7 @@ impl DeferredAa {
         })
     }
 
-    /// Checks WGSL as [`new`](Self::new) does, without a device: for a host that reloads its shaders.
+    /// Checks WGSL as [`new`](Self::new) does, without a device, for a host that reloads its shaders.
     pub fn check_shading(
         shading: Shading<'_>,
         textures: TextureTier,
@@ -128,7 +130,7 @@ impl DeferredAa {
         HostSource::check(shading.source, shading.file, textures, features).map(|_| ())
     }
 
-    /// Samples along one side of a window.
+    /// The number of samples along one side of a window.
     pub fn m(&self) -> u32 {
         self.build().m
     }
@@ -137,8 +139,8 @@ impl DeferredAa {
         &self.pipelines.build
     }
 
-    /// Makes the G-buffer and all that goes with an output of `width` × `height` pixels. Nothing happens if it has that
-    /// size; what was there before is kept if it fails.
+    /// Creates the G-buffer and all other resources for an output of `width` × `height` pixels. Does nothing if the
+    /// node already has that size. If it fails, the node keeps its former size and resources.
     pub fn resize(&mut self, device: &wgpu::Device, width: u32, height: u32) -> Result<(), SizeError> {
         let size = [width, height];
         if self.resources.as_ref().is_some_and(|resources| resources.size == size) {
@@ -170,8 +172,9 @@ impl DeferredAa {
         }
     }
 
-    /// The parts of all that a frame with these settings and needs reads and writes, at the present size, but for what the host
-    /// binds itself ([`Resource::Host`], [`Resource::Rays`]). Empty before the first [`resize`](Self::resize).
+    /// Lists the textures and buffers that a frame with these settings and needs reads and writes at the present size,
+    /// except those that the host binds itself ([`Resource::Host`], [`Resource::Rays`]). Empty before the first
+    /// [`resize`](Self::resize).
     pub fn parts(&self, settings: &Settings, needs: &Needs<'_>) -> Vec<PartInfo> {
         let Some(resources) = &self.resources else { return Vec::new() };
         let inputs = RayInputs::of(settings, needs);
@@ -181,7 +184,7 @@ impl DeferredAa {
         let uses = |resource| passes().any(|pass| pass.reads.contains(resource) || pass.writes.contains(resource));
         let bound = used_parts(&steps);
         let in_frame = |part: &Part| match part.resource() {
-            // A frame has one kind of list.
+            // A frame uses either the list of pixels or the list of samples.
             Resource::List => bound.contains(part),
             resource => uses(resource),
         };
@@ -192,13 +195,16 @@ impl DeferredAa {
         Part::ALL.into_iter().filter(in_frame).filter_map(info).collect()
     }
 
-    /// Lends the node memory for some of its [parts](Self::parts), in place of its own, which it drops. For a host whose graph
-    /// gives the same memory to resources that do not live at the same time. It replaces all that was lent before: an empty slice
-    /// takes all back. Not for a steady frame, as it binds everything anew. What was in the parts is lost, but for attachments of the
-    /// G-buffer that are neither lent now nor were before. [`resize`](Self::resize) to another size ends it.
+    /// Lends the node memory for some of its [parts](Self::parts); the node drops its own memory for these. This is for
+    /// a host whose graph places resources that are not alive at the same time in the same memory.
     ///
-    /// The host sees to it that no two parts that share memory live at once ([`PartInfo::lifetime`]); no error tells it if they
-    /// do. Lists, lattices and rays are made when a frame first needs them: what is lent for them is taken then.
+    /// A call replaces all earlier loans, and an empty slice withdraws them. It recreates all bind groups, so do not
+    /// call it every frame. The content of the parts is lost, except for attachments of the G-buffer that are lent
+    /// neither before nor after the call. A [`resize`](Self::resize) to another size withdraws all loans.
+    ///
+    /// The host must make sure that parts which share memory are never alive at the same time ([`PartInfo::lifetime`]);
+    /// this is not checked. Lists, lattices and ray results are created when a frame first needs them, and memory lent
+    /// for them is used from then on.
     pub fn lend(&mut self, device: &wgpu::Device, lent: &[Lent<'_>]) -> Result<(), LendError> {
         let resources = self.resources.as_ref().ok_or(LendError::NoSize)?;
         let size = resources.size;
@@ -216,12 +222,13 @@ impl DeferredAa {
         Ok(())
     }
 
-    /// The attachments to render the scene into. `None` before the first [`resize`](Self::resize).
+    /// The attachments to render the scene into, `None` before the first [`resize`](Self::resize).
     pub fn gbuffer(&self) -> Option<&GBuffer> {
         self.resources.as_ref().map(|resources| &resources.gbuffer)
     }
 
-    /// What the passes hand to each other, for tools and tests. `None` before the first [`resize`](Self::resize).
+    /// The resources that the passes use between them, for tools and tests. `None` before the first
+    /// [`resize`](Self::resize).
     pub fn intermediates(&self) -> Option<Intermediates<'_>> {
         let resources = self.resources.as_ref()?;
         Some(Intermediates {
@@ -238,7 +245,7 @@ impl DeferredAa {
         })
     }
 
-    /// Bytes of GPU memory held for the present size, without what is lent.
+    /// The GPU memory in bytes that the node holds at the present size, without lent memory.
     pub fn memory(&self) -> Memory {
         let rays = self.buffers.rays_held();
         let Some(resources) = &self.resources else { return Memory { gbuffer: 0, scratch: 0, rays } };
@@ -261,13 +268,15 @@ impl DeferredAa {
         self.tables.as_ref().map(|t| &t.layout)
     }
 
-    /// WGSL of `daa_texture` for the host's own pipelines: a directive that goes before all else, and the chunk.
+    /// The WGSL of `daa_texture` for the host's own pipelines: a directive that must come first in the module, and the
+    /// functions and bindings.
     pub fn texture_wgsl(tier: TextureTier) -> (&'static str, &'static str) {
         (wgsl::directives(tier), wgsl::table_chunk(tier))
     }
 
-    /// A table of the host's textures: `daa_texture(i, ..)` reads `textures[i]`. On [`TextureTier::Arrays`] the encoder
-    /// receives copies, so submit it before the textures go. Make a new table when textures come or go.
+    /// Builds a table of the host's textures: `daa_texture(i, ..)` reads `textures[i]`. On [`TextureTier::Arrays`] the
+    /// encoder receives commands that copy the textures, so submit it before they are destroyed. Build a new table when
+    /// textures are added or removed.
     pub fn texture_table(
         &self,
         queue: &wgpu::Queue,
@@ -278,17 +287,19 @@ impl DeferredAa {
         tables.table(&self.build().device, queue, encoder, textures)
     }
 
-    /// Compiles what frames with these settings and needs want, so that none of them has to. Called with the most that any
-    /// frame may need, frames that need less never stall either: their own pipelines are compiled on a thread, and until they are
-    /// there those of the most serve, to the same image.
+    /// Compiles the pipelines for frames with these settings and needs, so that no such frame waits for the compiler.
+    /// If it is called with the most that any frame may need, frames that need less never stall either: their own
+    /// pipelines are compiled on a thread, and until those are ready the larger set is used, which gives the same
+    /// image.
     pub fn warm_up(&self, settings: &Settings, needs: &Needs<'_>) -> Result<(), RecordError> {
         settings.validate()?;
         let inputs = RayInputs::of(settings, needs);
         self.pipelines.warm_up(&techniques::steps(settings, inputs), inputs)
     }
 
-    /// Whether the pipelines of frames with these settings and needs are compiled. Until then such a frame takes those of a
-    /// larger set, if [`warm_up`](Self::warm_up) or a frame before it compiled that; else it waits for the compiler.
+    /// Whether the pipelines for frames with these settings and needs are compiled. Until then such a frame uses a
+    /// larger set of pipelines if [`warm_up`](Self::warm_up) or an earlier frame has compiled one; otherwise it waits
+    /// for the compiler.
     pub fn is_ready(&self, settings: &Settings, needs: &Needs<'_>) -> bool {
         let inputs = RayInputs::of(settings, needs);
         self.pipelines.ready(&techniques::steps(settings, inputs), inputs)
@@ -300,8 +311,8 @@ impl DeferredAa {
         passes(settings, inputs, techniques::steps(settings, inputs))
     }
 
-    /// The shaders of those passes, in order: for a host that is not on wgpu, and translates and compiles them by itself. The demo's
-    /// command `shaders` does so. Slow: each is compiled here too, as its only check.
+    /// The shaders of those passes, in order, for a host that does not use wgpu and translates and compiles them
+    /// itself, as the demo's command `shaders` does. This is slow: each shader is also compiled here to check it.
     pub fn shaders(&self, settings: &Settings, needs: &Needs<'_>) -> Result<Vec<(PassInfo, Vec<Shader>)>, RecordError> {
         settings.validate()?;
         let inputs = RayInputs::of(settings, needs);
@@ -313,13 +324,15 @@ impl DeferredAa {
         all.map(shaders).collect()
     }
 
-    /// Records the frame: all its passes, and the copies of its statistics. Nothing is recorded if it fails.
+    /// Records all passes of a frame and the copies of its statistics. If it fails, nothing is recorded.
     ///
-    /// Several views a frame: a node each, or one node for all of them, the host rendering the G-buffer anew between two
-    /// [`record`](Self::record)s, of another size after a [`resize`](Self::resize). At most 16 frames of one node may be recorded
-    /// between two submits: the next would take the first one's constants. Of these all get the last one's
-    /// [`Needs::textured`], [`Needs::importance`] and [`Needs::bounces`]; and of one [`RayScene`](crate::rays::RayScene), which
-    /// knows one camera, all the last [update](crate::rays::RayScene::update): views with rays take a scene each, or a submit each.
+    /// For several views in a frame, use a node for each, or one node for all: then the host renders the G-buffer anew
+    /// between two calls, for a view of another size after a [`resize`](Self::resize). The limits of one node between
+    /// two submits are:
+    /// - At most 16 frames may be recorded; the next would overwrite the constants of the first.
+    /// - All of them use [`Needs::textured`], [`Needs::importance`] and [`Needs::bounces`] of the last one.
+    /// - All that trace one [`RayScene`](crate::rays::RayScene) use its last [update](crate::rays::RayScene::update),
+    ///   and a scene is updated for one camera. Views with rays need a scene each or a submit each.
     pub fn record(
         &mut self,
         queue: &wgpu::Queue,
@@ -334,10 +347,10 @@ impl DeferredAa {
         Ok(())
     }
 
-    /// Begins a frame whose passes the host records itself, between its own or under its own profiler: each of
-    /// [`passes`](Self::passes) once, in their order or in one that [`PassInfo`](crate::PassInfo) allows, then
-    /// [`Recording::finish`]. Clears, by this encoder, what of [`parts`](Self::parts) lives from the beginning: submit it before
-    /// those of the passes.
+    /// Begins a frame whose passes the host records itself, among its own passes or with its own profiler. Record each
+    /// of [`passes`](Self::passes) once, in their order or in any order that [`PassInfo`](crate::PassInfo) allows, then
+    /// call [`Recording::finish`]. `encoder` receives the commands that clear those of the [`parts`](Self::parts) that
+    /// live from the beginning of the frame; submit it before the encoders of the passes.
     pub fn begin<'a>(
         &'a mut self,
         queue: &wgpu::Queue,
@@ -419,12 +432,12 @@ impl DeferredAa {
         Ok(Recording { frame, resources, buffers, collector, slot, passes: ready, audited, recorded })
     }
 
-    /// Whether the frame's target can take the image, and the frame has what the host's WGSL binds.
+    /// Checks that the image fits the frame's target, and that the frame has the bind groups of the host's WGSL.
     fn check_target(&self, frame: &Frame<'_>, size: [u32; 2]) -> Result<(), RecordError> {
         let [width, height] = size;
         let target = frame.target.texture();
         let (target_width, target_height) = (target.width(), target.height());
-        // Which level a view shows is the host's affair: only a texture that can't hold the image is refused.
+        // The host chooses which mip level its view shows, so any texture with a level of the right size is accepted.
         let mut levels = (0..target.mip_level_count()).map(|level| {
             let size = target.size().mip_level_size(level, target.dimension());
             (size.width, size.height)
@@ -451,7 +464,7 @@ impl DeferredAa {
         Ok(())
     }
 
-    /// The lights, if the frame traces; checks what it needs for that.
+    /// The lights that cast shadows, `None` if the frame traces nothing. Checks what tracing needs.
     fn casting(
         &self,
         frame: &Frame<'_>,
@@ -472,9 +485,10 @@ impl DeferredAa {
         CastingUniform::new(if inputs.shadows { frame.needs.shadows } else { &[] }, camera).map(Some)
     }
 
-    /// Checks the G-buffer, as it is when the encoder gets there, and the frame for what is probably a mistake:
-    /// [`input_report`](Self::input_report) has it some frames later. A pass over all samples that nobody needs in a
-    /// program that works: for debug builds, or for a key. While a check is under way another does nothing.
+    /// Checks the frame's camera and the content of the G-buffer for probable mistakes;
+    /// [`input_report`](Self::input_report) has the result some frames later. `encoder` must come after the host's
+    /// rendering. The check is a pass over all samples that a finished program does not need: call it in debug builds
+    /// or on a key. A call while a check is under way does nothing.
     pub fn check_input(
         &mut self,
         queue: &wgpu::Queue,
@@ -499,14 +513,14 @@ impl DeferredAa {
         if target.is_srgb() && encodes(&build.host.source) {
             mistakes.push(InputMistake::EncodedTwice { target });
         }
-        // The slot beyond those of frames.
+        // This slot lies beyond those of the frames.
         buffers.frames.write(queue, FRAMES, 0, &uniform);
         let group = resources.frame(build, buffers, RayInputs::default(), RayInputs::default());
         check.record(encoder, pipelines, (&group, buffers.frames.offset(FRAMES, 0)), size, mistakes)
     }
 
-    /// What the newest [check](Self::check_input) has found that has arrived. Never waits; the host's `submit` or `poll` moves
-    /// it on.
+    /// The report of the newest [check](Self::check_input) that has arrived. Never waits; a `submit` or `poll` of the
+    /// host completes the transfer.
     pub fn input_report(&mut self) -> Option<&InputReport> {
         let m = self.build().m;
         let check = self.check.as_mut()?;
@@ -514,8 +528,8 @@ impl DeferredAa {
         check.report()
     }
 
-    /// What the newest frame did whose counters have arrived, some frames after it was submitted with
-    /// [`Frame::statistics`]. Never waits; the host's `submit` or `poll` moves it on.
+    /// The statistics of the newest frame whose counters have arrived, some frames after it was submitted with
+    /// [`Frame::statistics`]. Never waits; a `submit` or `poll` of the host completes the transfer.
     pub fn statistics(&mut self) -> Option<&Statistics> {
         self.collector.poll(&mut self.controller);
         self.collector.latest()
@@ -540,14 +554,14 @@ fn used_parts(steps: &[Step]) -> Vec<Part> {
     parts
 }
 
-/// Tells the passes over lattices their places among them.
+/// Writes the constants of the passes over lattices.
 fn write_lattices(buffers: &NodeBuffers, queue: &wgpu::Queue, slot: u64, ready: &[ReadyPass], lattices: &LatticeSteps) {
     for at in ready.iter().filter_map(|ready| ready.pass.step.lattice) {
         buffers.steps().write(queue, slot, at.index(), lattices.step(at));
     }
 }
 
-/// Tells the passes that cast rays their samples.
+/// Writes the constants of the passes that cast rays.
 fn write_casting(
     buffers: &NodeBuffers,
     queue: &wgpu::Queue,
@@ -559,7 +573,7 @@ fn write_casting(
     for pass in ready {
         let Some(samples) = pass.pass.step.samples else { continue };
         let step = samples.step().zip(shape.lattices.as_ref()).map(|(at, lattices)| *lattices.step(at));
-        // The audit's are not the image's.
+        // The debug view of rays shows those of the image, without the audit's.
         let keeps = u32::from(shape.rays && samples != CastSamples::Audited);
         let uniform = CastingUniform { samples: samples.code(), keeps, step: step.unwrap_or_default(), ..*casting };
         buffers.casting().write(queue, slot, samples.index(), &uniform);

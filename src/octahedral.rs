@@ -1,4 +1,4 @@
-//! The octahedral code of unit vectors in f64, as `shaders/octahedral.wgsl` has it in f32.
+//! The octahedral code of unit vectors in f64, as `shaders/shared/octahedral.wgsl` has it in f32.
 
 use glam::{DVec2, DVec3};
 

@@ -5,11 +5,11 @@ pub const MAX_M: u32 = 8;
 
 /// The places of a window's samples in the order in which they are shaded: `order(m)[rank] = (x, y)`, y down.
 ///
-/// For m = 2, 3 and 4 these are the index matrices of Holländer et al. 2013, Figure 3, as printed. Those for m = 6 and 8
-/// follow from 3 and 4 by Bayer's recursion (1973) with the printed 2 × 2 matrix. No recursion reaches m = 5 and 7: their
-/// order starts in the centre and continues with the place that is furthest from all places before, where the window is
-/// repeated in all directions. Of several such places it takes the one furthest from the previous place, then the first in
-/// reading order.
+/// For m = 2, 3 and 4 these are the index matrices of Holländer et al. 2013, Figure 3, as printed. Those for m = 6 and
+/// 8 follow from 3 and 4 by Bayer's recursion (1973) with the printed 2 × 2 matrix. No recursion reaches m = 5 and 7:
+/// their order starts in the centre and continues with the place that is furthest from all places before, where the
+/// window is repeated in all directions. Of several such places it takes the one furthest from the previous place, then
+/// the first in reading order.
 ///
 /// # Panics
 /// Panics if m is not in 1..=8.
@@ -30,8 +30,8 @@ pub fn order(m: u32) -> Vec<(u8, u8)> {
     places
 }
 
-/// Like [`order`], but starts with a rotated grid: one sample in each row and each column. For odd m and m = 2 it equals
-/// `order`.
+/// Like [`order`], but starts with a rotated grid: one sample in each row and each column. For odd m and m = 2 it
+/// equals `order`.
 pub fn rotated(m: u32) -> Vec<(u8, u8)> {
     let mut places = order(m);
     if rotated_samples(m) == m {
@@ -47,8 +47,8 @@ pub fn rotated_samples(m: u32) -> u32 {
     if m >= 4 && m.is_multiple_of(2) { m } else { m * m }
 }
 
-/// Like [`order`], but starts with the sample nearest to the pixel's centre; of several, the one that `order` has first.
-/// [`Technique::Selective`](crate::Technique::Selective) compares pixels by this sample.
+/// Like [`order`], but starts with the sample nearest to the pixel's centre; of several, the one that `order` has
+/// first. [`Technique::Selective`](crate::Technique::Selective) compares pixels by this sample.
 pub fn centred(m: u32) -> Vec<(u8, u8)> {
     let mut places = order(m);
     let off = |v: u8| (2 * i32::from(v) + 1 - m as i32).abs();
@@ -58,8 +58,8 @@ pub fn centred(m: u32) -> Vec<(u8, u8)> {
     places
 }
 
-/// The quadrants of the window that use a sample, one bit each: from the lowest, upper left, upper right, lower left, lower
-/// right. A sample that lies in several quadrants is shared equally between them.
+/// The quadrants of the window that use a sample, one bit each: from the lowest, upper left, upper right, lower left,
+/// lower right. A sample that lies in several quadrants is shared equally between them.
 ///
 /// A quadrant uses four samples: at m = 4 its own, at m = 3 those that reach into it, at larger m one from each of its
 /// quarters, so that some samples belong to no quadrant. At m = 2 it uses one.
@@ -78,8 +78,8 @@ pub fn quadrant_samples(m: u32) -> u32 {
     (m * m).min(16)
 }
 
-/// Whether no quadrant uses a sample, for m above 4. Each sixteenth of the window keeps the sample nearest to its centre; of
-/// four equally near samples it keeps a different one from row to row and from column to column.
+/// Whether no quadrant uses a sample, for m above 4. Each sixteenth of the window keeps the sample nearest to its
+/// centre; of four equally near samples it keeps a different one from row to row and from column to column.
 fn dropped(m: u32, x: u8, y: u8) -> bool {
     let (x, y) = (u32::from(x), u32::from(y));
     match m {
@@ -92,8 +92,8 @@ fn dropped(m: u32, x: u8, y: u8) -> bool {
     }
 }
 
-/// Bayer's recursion: takes the places of the small matrix in their order, each in all four quadrants in the order of the
-/// 2 × 2 matrix.
+/// Bayer's recursion: takes the places of the small matrix in their order, each in all four quadrants in the order of
+/// the 2 × 2 matrix.
 fn doubled(small: &[(u8, u8)], m: u32) -> Vec<(u8, u8)> {
     let m = m as u8;
     small.iter().flat_map(|&(x, y)| order(2).into_iter().map(move |(i, j)| (x + m * i, y + m * j))).collect()

@@ -1,52 +1,55 @@
-// Lattices of points over the G-buffer: squares, or triangles whose odd rows are shifted by half a pitch (University of Alaska
-// Fairbanks thesis on tri-adaptive sampling, section 4.3). Every point is a sample of the G-buffer, and every point of a coarse lattice
-// one of the next finer. CPU twin: src/reference/multi_resolution.rs.
+// Lattices of points over the G-buffer: squares, or triangles whose odd rows are shifted by half a pitch (University of
+// Alaska Fairbanks thesis on tri-adaptive sampling, section 4.3). Every point is a sample of the G-buffer, and every
+// point of a coarse lattice is also a point of the next finer one. CPU twin: src/reference/multi_resolution.rs.
 
 const DAA_QUAD: u32 = 0u;
 const DAA_TRIANGULAR: u32 = 1u;
 const DAA_EQUILATERAL: u32 = 2u;
 
-/// Height of an equilateral triangle of side 1, in 65536ths.
+/// The height of an equilateral triangle of side 1, in 65536ths.
 const DAA_EQUILATERAL_ROW: i32 = 56756;
 
 struct DaaLattice {
     /// DAA_QUAD, DAA_TRIANGULAR or DAA_EQUILATERAL.
     kind: u32,
-    /// log2 of its pitch in pixels.
+    /// Base-2 logarithm of the pitch in pixels.
     level: u32,
-    /// Points of a row. The last few lie beyond the image, on its border's windows.
+    /// Number of points in a row. The last few lie beyond the image and use the samples of border windows.
     width: u32,
+    /// Number of rows, likewise.
     height: u32,
-    /// Where its points begin in `daa_points`.
+    /// Index in `daa_points` of its first point.
     first: u32,
-    /// `Level` of src/gpu/uniforms/lattice.rs.
+    /// Position among the lattices: `Level` of src/gpu/uniforms/lattice.rs.
     place: u32,
     padding: vec2u,
 }
 
-/// From one lattice to the next finer.
+/// The step from one lattice to the next finer one.
 struct DaaStep {
     points: DaaLattice,
     parents: DaaLattice,
-    /// Pitch of the points over that of their parents, and of their rows.
+    /// Pitch of the points over that of their parents, and the same for their rows.
     scale: vec2f,
-    /// 1: there are no parents, all points are chosen.
+    /// 1 if there are no parents, and all points are chosen.
     coarsest: u32,
-    /// 1 shadows and 2 reflections and refractions are what it is about; 0: colours.
+    /// What the lattice's values are: 0 colours, otherwise bit 0 shadows and bit 1 reflections and refractions.
     rays: u32,
-    /// How far behind a point what its rays found lies in `daa_points`: shadow bits, and the code of shared_exponent.wgsl.
+    /// Offset in `daa_points` from a point to its ray results: the shadow bits and the code of shared_exponent.wgsl.
     found: u32,
     padding: u32,
     padding_too: vec2u,
 }
 
-/// What is kept of a point: its word, and of its sample the depth, the code of the normal and the identity, which so many look at
-/// that another copy beside the word is sooner read. A word: chosen (1 bit), chosen here or on a coarser lattice (1) | place where that was, or its parents' (3 bits from 4) |
-/// why (8 bits from 8) | why its neighbourhood is refined (8 bits from 24).
+/// `daa_points` holds for each point its word, and the depth, the code of the normal and the identity of its sample.
+/// These are copies from the G-buffer: they are read so often that it is faster to keep them beside the word. A word
+/// has these fields: bit 0, chosen on this lattice; bit 1, chosen on this or a coarser lattice; bits 4 to 6, the
+/// lattice on which it, or its parents, was chosen; bits 8 to 15, the reason; bits 24 to 31, the reason to refine its
+/// neighbourhood.
 const DAA_CHOSEN: u32 = 1u;
 const DAA_HAS_OWN: u32 = 2u;
 
-/// Why.
+/// The reasons for choosing a point.
 const DAA_SMOOTH: u32 = 0u;
 const DAA_REFINE_COLOR: u32 = 1u;
 const DAA_REFINE_POSITION: u32 = 2u;
@@ -58,26 +61,26 @@ fn daa_point_word(own: u32, level: u32, by: u32) -> u32 {
     return own | (level << 4u) | (by << 8u);
 }
 
-/// 1 if the point was chosen here or on a coarser lattice.
+/// 1 if the point was chosen on this or a coarser lattice.
 fn daa_point_own(word: u32) -> u32 {
     return (word >> 1u) & 1u;
 }
 
-/// The lattice that it was chosen on, or its parents'.
+/// The lattice on which the point, or its parents, was chosen.
 fn daa_point_level(word: u32) -> u32 {
     return (word >> 4u) & 7u;
 }
 
-/// Why it was chosen: DAA_REFINE_*, or DAA_SMOOTH.
+/// The reason for choosing it: DAA_REFINE_*, or DAA_SMOOTH.
 fn daa_point_by(word: u32) -> u32 {
     return (word >> 8u) & 0xffu;
 }
 
-/// A sample of the G-buffer.
+/// The sample of a point.
 struct DaaPoint {
     pixel: vec2u,
     rank: u32,
-    /// Where the point lies; else its sample stands in for what is beyond the image.
+    /// Whether the point lies in the image. If it does not, a sample of a border window stands in for it.
     inside: bool,
 }
 
@@ -90,7 +93,7 @@ fn daa_is_shifted(l: DaaLattice, row: i32) -> bool {
     return l.kind != DAA_QUAD && (row & 1) != 0;
 }
 
-/// The sample of a point; beyond the image, that at the same place of the border's window.
+/// The sample of a point. Beyond the image it is the one at the same position of the border's window.
 fn daa_point(l: DaaLattice, at: vec2i) -> DaaPoint {
     let pitch = i32(DAA_M << l.level);
     var place = at * pitch;
@@ -112,7 +115,7 @@ fn daa_point_index(l: DaaLattice, at: vec2i) -> u32 {
     return l.first + u32(at.y) * l.width + u32(at.x);
 }
 
-/// The coarser points around a point, and how much of it is each: bilinear, or barycentric in the triangle.
+/// The coarser points around a point, with bilinear weights, or barycentric weights in the triangle.
 struct DaaParents {
     at: array<vec2i, 4>,
     weight: vec4f,
@@ -133,7 +136,7 @@ fn daa_parents(step: DaaStep, at: vec2i) -> DaaParents {
             vec4f((1.0 - fx) * (1.0 - fy), fx * (1.0 - fy), (1.0 - fx) * fy, fx * fy),
         );
     }
-    // Sheared so that the triangles become halves of squares.
+    // Shears the lattice so that its triangles become halves of squares.
     let shifted = daa_is_shifted(step.parents, row);
     let a = x - select(0.0, 0.5, shifted) - 0.5 * fy;
     let column = i32(floor(a));
@@ -150,12 +153,12 @@ fn daa_parents(step: DaaStep, at: vec2i) -> DaaParents {
     );
 }
 
-/// Pairs of neighbours that lie opposite each other: the eight around a point of squares, the six of triangles.
+/// The number of pairs of opposite neighbours: of the eight around a point of squares, or the six of triangles.
 fn daa_pairs(l: DaaLattice) -> i32 {
     return select(4, 3, l.kind != DAA_QUAD);
 }
 
-/// The first of pair i and the second, from a point in this row.
+/// The offsets from a point in this row to the first and to the second neighbour of pair i.
 fn daa_opposing(l: DaaLattice, row: i32, i: i32) -> vec4i {
     if i == 0 {
         return vec4i(-1, 0, 1, 0);

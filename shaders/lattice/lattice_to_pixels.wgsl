@@ -1,12 +1,12 @@
-// lattice_to_pixels: takes S from the finest lattice, and on request decides which windows are refined beyond it: to 4 samples, to 16, to all.
-// Joined with the chunks of lattices. CPU twin: src/reference/multi_resolution.rs.
+// lattice_to_pixels: computes S from the finest lattice, and on request chooses the windows that are refined beyond it:
+// to 4 samples, to 16, or to all. CPU twin: src/reference/multi_resolution.rs.
 
 @group(3) @binding(3) var daa_first: texture_storage_2d<rgba32float, write>;
-/// For `plan`; and the same where nothing is refined beyond, and no plan follows.
+/// The words of windows: in `daa_counts` if windows are refined further and `plan` follows, otherwise in `daa_plan`.
 @group(3) @binding(4) var<storage, read_write> daa_counts: array<u32>;
 @group(3) @binding(5) var<storage, read_write> daa_plan: array<u32>;
 
-/// Whether a window holds more than one material or object.
+/// Whether a window has more than one material or object.
 fn daa_holds_edge(pixel: vec2u) -> bool {
     let corner = pixel * DAA_M;
     let identity = textureLoad(daa_gbuffer_surface, corner, 0).y;
@@ -19,13 +19,14 @@ fn daa_holds_edge(pixel: vec2u) -> bool {
     return false;
 }
 
-/// Samples of a window on level f beyond the pixels: f halvings of the pitch where m allows, else all.
+/// The number of samples of a window that is refined f times: f halvings of the pitch if m is a multiple of 2^f,
+/// otherwise all samples.
 fn daa_level_samples(f: u32) -> u32 {
     let n = DAA_M * DAA_M;
     return select(n, min(1u << (2u * f), n), DAA_M % (1u << f) == 0u);
 }
 
-/// The metric of a plan that a reason of lattices stands for.
+/// The reason in a plan for a reason of lattices.
 fn daa_decided_by(by: u32) -> u32 {
     switch by {
         case DAA_REFINE_POSITION: { return DAA_BY_DEPTH; }
@@ -54,7 +55,8 @@ fn daa_lattice_to_pixels_main(@builtin(workgroup_id) tile: vec3u, @builtin(local
         if supersampled {
             let residual = daa_residual(l, at);
             by = daa_decided_by(residual.by);
-            // A residual is a second difference: where colour is smooth it falls to a quarter with each halving of the pitch.
+            // A residual is a second difference: where colour is smooth, it falls to a quarter with each halving of the
+            // pitch.
             var f = 0u;
             var level = daa_frame.multi_resolution.color;
             for (; f < 3u && residual.color > level; f++) {

@@ -1,17 +1,18 @@
-// The chosen points of a lattice: a workgroup has a block, of which each lane has every eighth point along either side. Lanes side by
-// side have points side by side, so what is chosen in clusters is spread evenly. Joined with lattice.wgsl; `daa_wants` and `daa_begin`
-// are the pass's own.
+// Distributes the chosen points of a lattice over lanes. A workgroup has a block of points, of which each lane has
+// every eighth along either side. Adjacent lanes have adjacent points, so that clusters of chosen points are spread
+// evenly. Each pass defines its own `daa_wants` and `daa_begin`.
 
-/// Points of a lane along one side of a block: `points::BLOCK` over 8.
+/// The number of a lane's points along one side of a block: `BLOCK` of src/passes/lattice/points.rs over 8.
 const DAA_LANE_SIDE: u32 = 4u;
 
-/// A lane's i-th point. Of each 2 × 2 one is that of a coarser lattice, and not chosen again: a lane has all four alike.
+/// The i-th point of a lane. In each block of 2 × 2 points one belongs to the coarser lattice and is not chosen again;
+/// the order gives each lane an equal share of all four.
 fn daa_lane_point(lane: vec2u, i: u32) -> vec2i {
     let place = vec2u(i % DAA_LANE_SIDE, i / DAA_LANE_SIDE);
     return vec2i(((lane >> vec2u(3u)) * DAA_LANE_SIDE + place) * 8u + ((lane & vec2u(7u)) ^ (place & vec2u(1u))));
 }
 
-/// A bit for each of a lane's points that is chosen and wanted. Lanes are counted through all workgroups.
+/// A bit for each of a lane's points that is chosen and wanted. `lane` is the lane's position among all workgroups.
 fn daa_chosen_points(step: DaaStep, lane: vec2u) -> u32 {
     let l = step.points;
     var chosen = 0u;
@@ -35,7 +36,7 @@ fn daa_chosen_points(step: DaaStep, lane: vec2u) -> u32 {
     return chosen;
 }
 
-/// The i-th of them.
+/// The i-th of these points.
 fn daa_chosen_at(lane: vec2u, chosen: u32, i: u32) -> vec2i {
     var left = chosen;
     for (var passed = 0u; passed < i; passed++) {

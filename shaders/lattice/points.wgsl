@@ -1,4 +1,4 @@
-// points: shades the chosen points of a lattice. Joined with lattice.wgsl, lattice_colors.wgsl and listing.wgsl.
+// points: shades the chosen points of a lattice.
 
 @group(3) @binding(3) var<storage, read_write> daa_statistics: DaaStatistics;
 

@@ -1,11 +1,11 @@
-// refine: which points of a lattice are worth their own sample, and what the others are by the coarser points around them (the thesis,
-// section 4.2, Algorithm 1, on nested lattices). Joined with the chunks of lattices and of what a value is. CPU twin:
+// refine: chooses the points of a lattice that get their own sample, and interpolates the others from the coarser
+// points around them (the thesis, section 4.2, Algorithm 1, on nested lattices). CPU twin:
 // src/reference/multi_resolution.rs.
 
-/// Interpolated is what at least this much of the weights speaks for.
+/// The least sum of weights for which a point is interpolated.
 const DAA_LEAST_WEIGHT: f32 = 0.5;
 
-/// Judges the coarser points, each for all that lie around it.
+/// Computes for each coarser point whether its neighbourhood is refined.
 @compute @workgroup_size(8, 8)
 fn daa_refine_judge(@builtin(global_invocation_id) id: vec3u) {
     let l = daa_step.parents;
@@ -36,7 +36,7 @@ fn daa_parent(at: vec2i) -> DaaParent {
     return DaaParent(geometry, daa_value(index, point), bits, kept, point, index);
 }
 
-/// What a point is by the parents so far, or why it is not.
+/// The interpolation of a point from its parents so far, or the reason against it.
 struct DaaMix {
     sum: vec4f,
     total: f32,
@@ -52,7 +52,7 @@ fn daa_mixed(mix: DaaMix, of_own: DaaGeometry, parent: DaaParent, share: f32) ->
     var own = of_own;
     var by = mix.by;
     if daa_step.rays != 0u {
-        // Its own shadow is what is asked.
+        // The point's own shadow is not known yet.
         own.shadow = parent.geometry.shadow;
         by = select(by, DAA_REFINE_SHADOW, by == DAA_SMOOTH && mix.met && parent.bits != mix.shadow);
     }
@@ -89,7 +89,7 @@ fn daa_refine_point(at: vec2i, weight: vec4f, a: DaaParent, b: DaaParent, c: Daa
     mix = daa_mixed(mix, own, d, weight.w);
     let by = select(mix.by, DAA_REFINE_EDGE, mix.by == DAA_SMOOTH && mix.total < DAA_LEAST_WEIGHT);
     if daa_step.rays != 0u && own.depth == 0.0 {
-        // Nothing is cast from there.
+        // No rays start from the sky.
         kept.x = daa_point_word(DAA_HAS_OWN, l.place, DAA_SMOOTH);
         daa_put(index, point, vec4f(0.0), 0u);
     } else if by == DAA_SMOOTH {
@@ -102,7 +102,8 @@ fn daa_refine_point(at: vec2i, weight: vec4f, a: DaaParent, b: DaaParent, c: Daa
     daa_points[index] = kept;
 }
 
-/// A lane refines the cell of a coarser point, four points, on a lattice of the same kind; else one point.
+/// If the lattices are of the same kind, a lane refines the four points in the cell of a coarser point, otherwise a
+/// single point.
 @compute @workgroup_size(8, 8)
 fn daa_refine_main(@builtin(global_invocation_id) id: vec3u) {
     let l = daa_step.points;
@@ -111,7 +112,7 @@ fn daa_refine_main(@builtin(global_invocation_id) id: vec3u) {
     var cell = vec2i(id.xy);
     var around = daa_parents(daa_step, cell);
     if nested {
-        // The left half of the first shifted triangle has its cell beyond the border.
+        // The cell of the left half of the first shifted triangle lies beyond the border.
         cell.x -= select(1, 0, quad);
         let right = select(0, 1, daa_is_shifted(daa_step.parents, cell.y));
         let above = cell + vec2i(right, 1);
@@ -137,7 +138,8 @@ fn daa_refine_main(@builtin(global_invocation_id) id: vec3u) {
             let weight = vec4f((1.0 - f.x) * (1.0 - f.y), f.x * (1.0 - f.y), (1.0 - f.x) * f.y, f.x * f.y);
             daa_refine_point(first + step, weight, a, b, c, d);
         } else {
-            // Itself, and the middles of the sides of the triangle with the point to the right and the one above both.
+            // The point itself, and the midpoints of the triangle's sides. Its other corners are the point to the right
+            // and the one above both.
             let right = f32(step.x) * 0.5;
             let above = f32(step.y) * 0.5;
             let weight = vec4f(select(1.0 - right, 0.5 - right, step.y != 0), right, above, 0.0);

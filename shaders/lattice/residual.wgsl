@@ -1,22 +1,23 @@
-// How far a point departs from what its neighbours on opposite sides would make of it (the thesis, section 4.2.2, Algorithm 1): the mean
-// L1 of colour, channel by channel, and of position. Joined with lattice.wgsl and with what a value is. CPU twin: `residual` of
+// The residual of a point: its difference to the interpolation between opposite neighbours (the thesis, section 4.2.2,
+// Algorithm 1), as the mean L1 norm of colour, channel by channel, and of position. CPU twin: `residual` of
 // src/reference/multi_resolution.rs.
 
-/// A point as its neighbours are compared.
+/// The values of a point that are compared.
 struct DaaJudged {
-    /// Exposed colour, on request about as a display shows it.
+    /// Exposed colour, on request on the display curve.
     shown: vec3f,
+    /// Shadow bits.
     bits: u32,
-    /// From the camera.
+    /// Position relative to the camera.
     position: vec3f,
-    /// To the camera; 0 for the sky.
+    /// Distance to the camera; 0 for the sky.
     distance: f32,
 }
 
-/// A sky beside a surface: further apart than any position.
+/// The difference of position between the sky and a surface, greater than any other.
 const DAA_APART: f32 = 1e9;
 
-/// Beyond the lattice lie copies of its border.
+/// The values of a point; beyond the lattice, those of its border.
 fn daa_judged(l: DaaLattice, at: vec2i) -> DaaJudged {
     let place = daa_on_lattice(l, at);
     let point = daa_point(l, place);
@@ -30,9 +31,9 @@ fn daa_judged(l: DaaLattice, at: vec2i) -> DaaJudged {
 }
 
 struct DaaResidual {
-    /// Of the channel with the greatest.
+    /// The greatest residual of the three channels.
     color: f32,
-    /// DAA_REFINE_*, or DAA_SMOOTH.
+    /// The reason to refine: DAA_REFINE_*, or DAA_SMOOTH.
     by: u32,
 }
 
@@ -41,7 +42,8 @@ fn daa_residual(l: DaaLattice, at: vec2i) -> DaaResidual {
     var color = vec3f(0.0);
     var position = 0.0;
     var shadow = false;
-    // An end that the compiler does not know: copies of the loop take drivers seconds to compile, and run no faster.
+    // The bound is not a constant, so that compilers do not unroll the loop: copies take drivers seconds to compile and
+    // run no faster.
     let pairs = min(daa_pairs(l), i32(daa_frame.size.x) + 3);
     for (var i = 0; i < pairs; i++) {
         let apart = daa_opposing(l, at.y, i);
@@ -53,7 +55,7 @@ fn daa_residual(l: DaaLattice, at: vec2i) -> DaaResidual {
         position += select(select(off, DAA_APART, skies != 0u), 0.0, skies == 3u);
         shadow = shadow || a.bits != own.bits || b.bits != own.bits;
     }
-    // Both of a pair count as neighbours.
+    // Both points of a pair count as neighbours.
     let neighbours = f32(2 * pairs);
     let greatest = max(max(color.r, color.g), color.b) / neighbours;
     var by = select(DAA_SMOOTH, DAA_REFINE_SHADOW, shadow);

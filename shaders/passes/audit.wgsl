@@ -1,19 +1,19 @@
-// audit: the error of the finished image on some tiles, each of whose samples is shaded for it. Changes nothing else.
-// CPU twin: src/reference/audit.rs.
+// audit: measures the error of the finished image in some tiles by shading all of their samples. It does not change the
+// image. CPU twin: src/reference/audit.rs.
 
 @group(3) @binding(0) var daa_first: texture_2d<f32>;
 @group(3) @binding(1) var daa_color: texture_2d<f32>;
 @group(3) @binding(2) var<storage, read> daa_plan: array<u32>;
-/// Not the frame's: audited samples are not its samples.
+/// Counters of the audit's own: audited samples are not counted among the frame's.
 @group(3) @binding(3) var<storage, read_write> daa_statistics: DaaStatistics;
-/// Squared displayed error of each audited tile, summed over its pixels: as it is, and with a step less of effort. -1
-/// where the row ends before.
+/// The squared displayed error of each audited tile, summed over its pixels: at the frame's effort, and a step below
+/// it. -1 for a tile beyond the end of its row.
 @group(3) @binding(4) var<storage, read_write> daa_audits: array<vec2f>;
 @group(3) @binding(5) var<storage, read> daa_counts: array<u32>;
 
 var<workgroup> daa_errors: array<vec2f, 64>;
 
-/// x/(1+x), then the transfer function of sRGB (IEC 61966-2-1).
+/// The displayed colour: x/(1+x), then the transfer function of sRGB (IEC 61966-2-1).
 fn daa_display(c: vec3f) -> vec3f {
     let exposed = min(max(c * daa_frame.exposure, vec3f(0.0)), vec3f(1e30));
     let x = exposed / (1.0 + exposed);
@@ -25,7 +25,7 @@ fn daa_squared_distance(a: vec4f, b: vec4f) -> f32 {
     return dot(apart, apart) / 3.0;
 }
 
-/// k with a step less of effort.
+/// The k of a window at a step less of effort.
 fn daa_k_below(count: u32) -> u32 {
     let by_least = daa_plan_reason(count) == DAA_BY_LEAST;
     let wanted = select(exp2(daa_wanted_log2(count) - daa_frame.audit.step), 1.0, by_least);
@@ -56,7 +56,7 @@ fn daa_squared_errors(pixel: vec2u, k: u32, k_below: u32) -> vec2f {
     return vec2f(error, max(error, daa_squared_distance(daa_mean_finish(below), all)));
 }
 
-/// A workgroup audits the tile of its row that is in phase.
+/// A workgroup audits one tile of each period of its row.
 @compute @workgroup_size(64)
 fn daa_audit_main(
     @builtin(workgroup_id) group: vec3u,

@@ -1,7 +1,7 @@
-// check: counts what in a G-buffer does not fit the contract. It decides nothing: src/check.rs judges the counts.
-// CPU twin: src/reference/check.rs.
+// check: counts the samples of a G-buffer that do not fit the contract. src/host/check.rs judges the counts. CPU twin:
+// src/reference/check.rs.
 
-/// As `InputCounts` of src/check.rs has them.
+/// The counts, in the order of `InputCounts` of src/host/check.rs.
 @group(3) @binding(0) var<storage, read_write> daa_input: array<atomic<u32>, 20>;
 
 const DAA_INPUT_COUNTS: u32 = 20u;
@@ -12,7 +12,7 @@ const DAA_BEHIND: u32 = 3u;
 const DAA_OBJECTS: u32 = 4u;
 const DAA_STEPS: u32 = 5u;
 const DAA_PLANES: u32 = 6u;
-/// Of the shading normal; four further on, of the geometric one.
+/// Counts of the shading normal; those of the geometric normal lie four further on.
 const DAA_NORMAL_FITS: u32 = 7u;
 const DAA_NORMAL_UNSET: u32 = 8u;
 const DAA_NORMAL_IN_VIEW: u32 = 9u;
@@ -31,13 +31,13 @@ fn daa_count(what: u32, yes: bool) {
 }
 
 struct DaaChecked {
-    /// From the camera.
+    /// Position relative to the camera.
     position: vec3f,
-    /// Along the view.
+    /// Depth along the view direction.
     depth: f32,
     uv: vec2f,
     identity: u32,
-    /// It is in the G-buffer, and not the sky.
+    /// Whether the sample lies in the G-buffer and is not the sky.
     valid: bool,
 }
 
@@ -53,7 +53,7 @@ fn daa_checked(at: vec2i) -> DaaChecked {
     return DaaChecked(position, dot(position, daa_frame.camera_forward), uv, identity, valid);
 }
 
-/// Whether two neighbours are of one surface, and lie with the sample between them on a line: within 3°.
+/// Whether two neighbours belong to the surface of the sample between them and lie on a line with it, within 3°.
 fn daa_on_line(a: DaaChecked, b: DaaChecked, c: DaaChecked) -> bool {
     if !a.valid || !c.valid || a.identity != b.identity || c.identity != b.identity {
         return false;
@@ -64,7 +64,7 @@ fn daa_on_line(a: DaaChecked, b: DaaChecked, c: DaaChecked) -> bool {
     return dot(apart, apart) < 0.0025 * dot(before, before) * dot(behind, behind);
 }
 
-/// How a normal fits the surface that depth shows.
+/// Counts how a normal fits the surface that depth shows.
 fn daa_count_normal(first: u32, normal: vec3f, code: u32, plane: vec3f, in_view: mat3x3f) {
     let c = dot(normal, plane);
     daa_count(first, c > 0.7);
@@ -73,11 +73,11 @@ fn daa_count_normal(first: u32, normal: vec3f, code: u32, plane: vec3f, in_view:
     daa_count(first + DAA_NORMAL_FLIPPED - DAA_NORMAL_FITS, c < -0.7);
 }
 
-/// How a gradient fits the difference of uv to the next sample.
+/// Counts how a gradient fits the difference of uv to the next sample.
 fn daa_count_gradient(here: DaaChecked, next: DaaChecked, gradient: vec2f) {
     let apart = next.uv - here.uv;
     let slope = sqrt(dot(apart, apart));
-    // Less is lost in rounding. Not a number is more than anything, or less.
+    // Smaller differences are lost in rounding. The comparison below also fails for NaN.
     let least = 1e-5 + 1e-5 * sqrt(dot(here.uv, here.uv));
     if !next.valid || next.identity != here.identity || !(slope > least && slope < 1e9) {
         return;

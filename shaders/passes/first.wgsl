@@ -3,9 +3,9 @@
 @group(3) @binding(0) var daa_first: texture_storage_2d<rgba32float, write>;
 @group(3) @binding(1) var<storage, read_write> daa_statistics: DaaStatistics;
 
-/// Whether the rank-0 sample stands for its whole window: one material and object, and corners on one plane, in reversed-z
-/// depth, which is linear in screen space, and in normals (within about 4°). Elsewhere the window will want more samples,
-/// and the first is one of many.
+/// Whether the rank-0 sample stands for its whole window: the window has one material and object, and its corners lie
+/// on one plane by their reversed-z depths, which are linear in screen space, and by their normals (within about 4°).
+/// Other windows will get more samples, of which the first is one of many.
 fn daa_stands_for_all(pixel: vec2u) -> bool {
     let corner = pixel * DAA_M;
     let far = DAA_M - 1u;

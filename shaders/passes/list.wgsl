@@ -1,20 +1,22 @@
-// list: the frame's work as one list, for the executions that want it so. By a stable counting sort, so that the order is
-// the same each time: counts by row and tile, an exclusive scan of each row, then every tile writes its own part.
+// list: writes the frame's work as one list, for the executions that need it. A stable counting sort keeps the order
+// the same in each run: it counts by row and tile, scans each row, and then every tile writes its own part.
 //
-// Pixels: a row for each k, from n down to 2, each padded to whole workgroups with DAA_NO_ENTRY, so that a workgroup has one
-// k. Entries are slots of the plan. Samples: one row, in batches of whole tiles. Entries are slot · n + rank.
-// CPU twin: src/reference/list.rs.
+// A list of pixels has a row for each k, from n down to 2, each padded to whole workgroups with DAA_NO_ENTRY, so that
+// all pixels of a workgroup have the same k. Its entries are indices into the plan (slots). A list of samples has one
+// row, in batches of whole tiles. Its entries are slot · n + rank. CPU twin: src/reference/list.rs.
 
-/// Samples of a batch, less those of its last tile that reach beyond. More: fewer dispatches; 16 bytes each.
+/// The number of samples in a batch; its last tile may exceed it. A larger batch needs fewer dispatches, and 16 bytes
+/// for each sample.
 const DAA_BATCH: u32 = 4194304u;
 
 @group(3) @binding(0) var<storage, read> daa_plan: array<u32>;
-/// Of row r and tile t at r · tiles + t: entries of the tile in the row; after the scan, entries of the row before the tile's.
+/// At r · tiles + t, the number of entries that tile t has in row r; after the scan, the number of entries of row r
+/// before those of tile t.
 @group(3) @binding(1) var<storage, read_write> daa_rows: array<u32>;
 @group(3) @binding(2) var<storage, read_write> daa_list: array<u32>;
 @group(3) @binding(3) var<storage, read_write> daa_work: array<DaaWork>;
 
-/// Rows of a list of pixels: one for each k from 2, or one that stays empty.
+/// The number of rows of a list of pixels: one for each k from 2, or at n = 1 one that stays empty.
 fn daa_pixel_rows() -> u32 {
     return max(DAA_M * DAA_M - 1u, 1u);
 }
@@ -51,7 +53,7 @@ fn daa_list_count_samples(@builtin(global_invocation_id) id: vec3u) {
 
 var<workgroup> daa_parts: array<u32, 256>;
 
-/// A workgroup scans a row: each lane a run of tiles, with the sums of the runs before it.
+/// A workgroup scans a row. Each lane scans a run of tiles, and adds the sums of the runs before it.
 @compute @workgroup_size(256)
 fn daa_list_scan(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
     let tiles = daa_tile_count();
@@ -82,7 +84,7 @@ fn daa_list_scan(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_
 fn daa_set_work(index: u32, begin: u32, end: u32) {
     daa_work[index].begin = begin;
     daa_work[index].end = end;
-    // Whole strides (`daa_shade_pixels`), within 65 535 a dimension.
+    // Whole strides, see `daa_draw`, with at most 65,535 workgroups along a dimension.
     let groups = (((end - begin + 63u) / 64u) + DAA_STRIDES - 1u) / DAA_STRIDES * DAA_STRIDES;
     let x = min(groups, 32768u);
     daa_work[index].groups_x = x;
@@ -123,7 +125,8 @@ fn daa_list_pixels(@builtin(global_invocation_id) id: vec3u) {
     }
 }
 
-/// Samples before the first tile that has at least `samples` before it; all of them if there is none.
+/// The number of samples before the first tile that has at least `samples` before it, or of all samples if there is
+/// none.
 fn daa_cut(samples: u32) -> u32 {
     var below = 0u;
     var above = daa_tile_count();

@@ -1,11 +1,11 @@
-// max_filter: every pixel takes the greatest k of its block of 6 × 6 pixels (Holländer et al. 2013, section 4.2, figure 6c).
-// CPU twin: src/reference/max_filter.rs.
+// max_filter: gives every pixel the greatest k of its block of 6 × 6 pixels (Holländer et al. 2013, section 4.2, figure
+// 6c). CPU twin: src/reference/max_filter.rs.
 
 @group(3) @binding(0) var<storage, read_write> daa_counts: array<u32>;
 
 const DAA_BLOCK: u32 = 6u;
 
-/// A lane has a block to itself.
+/// Each lane processes one block.
 @compute @workgroup_size(8, 8)
 fn daa_max_filter_main(@builtin(global_invocation_id) id: vec3u) {
     let corner = id.xy * DAA_BLOCK;
@@ -13,7 +13,7 @@ fn daa_max_filter_main(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let end = min(corner + DAA_BLOCK, daa_frame.size);
-    // k in the low bits: the word of the greatest k says what decided it.
+    // The word with the greatest k also holds the reason for it.
     var k = 0u;
     var word = 0u;
     for (var y = corner.y; y < end.y; y++) {

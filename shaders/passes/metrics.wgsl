@@ -1,10 +1,11 @@
-// metrics: how many samples each window is worth, and which metric said so (Holländer et al. 2013, section 3.1).
-// CPU twin: src/reference/metrics.rs.
+// metrics: computes how many samples of each window are shaded, and which metric decided it (Holländer et al. 2013,
+// section 3.1). CPU twin: src/reference/metrics.rs.
 
 @group(3) @binding(0) var daa_first: texture_2d<f32>;
 @group(3) @binding(1) var<storage, read_write> daa_counts: array<u32>;
 
-/// The window's depths with one more around it, (m + 2)² in reading order; 0 for the sky. Read once: three metrics ask.
+/// The depths of the window and of a border of one sample around it, (m + 2)² in reading order; 0 for the sky. They are
+/// read once, for three metrics.
 var<private> daa_depths: array<f32, 100>;
 
 fn daa_read_depths(corner: vec2i) {
@@ -34,8 +35,9 @@ fn daa_all_sky() -> bool {
     return nearest == 0.0;
 }
 
-/// The variance of the window's depths over their squared mean. Shifted by the first depth, since E[d²] − E[d]²
-/// cancels far from zero (Chan, Golub, LeVeque 1983). Depth is the reversed-z buffer's, linear in screen space.
+/// The variance of the window's depths over their squared mean. Depths are shifted by the first one, since E[d²] −
+/// E[d]² cancels far from zero (Chan, Golub, LeVeque 1983). They are those of the reversed-z buffer, which are linear
+/// in screen space.
 fn daa_depth_variance() -> f32 {
     let shift = daa_depth(0, 0);
     var sum = 0.0;
@@ -50,20 +52,20 @@ fn daa_depth_variance() -> f32 {
     let mean = sum / f32(DAA_M * DAA_M);
     let variance = max(sum_of_squares / f32(DAA_M * DAA_M) - mean * mean, 0.0);
     let reference = shift + mean;
-    // In two steps: the square of a small depth may be a denormal.
+    // Divided twice, since the square of a small depth may be a denormal.
     return select(0.0, variance / reference / reference, reference > DAA_SKY_DEPTH);
 }
 
-/// How far two neighbours (b, c) are from one plane, over the nearer one's depth. Reversed-z depth is linear in screen
-/// space on a plane, so each side is extrapolated to the other; where either fits there is no step between the two,
-/// however slanted the plane, and a step outside of the pair is not seen.
+/// The depth step between two neighbours (b, c) that the plane on neither side explains, over the depth of the nearer
+/// one. Reversed-z depth is linear in screen space on a plane, so each side is extrapolated to the other. If either
+/// extrapolation fits, there is no step, however slanted the plane is. A step outside the pair is not seen.
 fn daa_depth_step(a: f32, b: f32, c: f32, d: f32) -> f32 {
     let step = min(abs((c - b) - (b - a)), abs((c - b) - (d - c)));
     let nearer = max(b, c);
     return select(0.0, step / nearer, nearer > 0.0);
 }
 
-/// The greatest step between neighbours in the window.
+/// The greatest depth step between neighbours in the window.
 fn daa_depth_discontinuity() -> f32 {
     var greatest = 0.0;
     for (var i = 0; i < i32(DAA_M); i++) {
@@ -76,11 +78,11 @@ fn daa_depth_discontinuity() -> f32 {
     return greatest;
 }
 
-/// The window's normals, zero where there is sky.
+/// The normals of the window; zero for the sky.
 var<private> daa_normals: array<vec3f, 64>;
 
-/// √(1 − min n̄·n) over the window's normals, as a chord: 1 − n̄·n = |n̄ − n|²/2 keeps its digits at small angles.
-/// Normals that cancel span the full cone: 2, more than any cone. The sky has no normal.
+/// √(1 − min n̄·n) over the window's normals. It is computed by chords, 1 − n̄·n = |n̄ − n|²/2, which is precise at
+/// small angles. For normals that cancel it is 2, more than any cone. The sky has no normal.
 fn daa_normal_cone(corner: vec2u) -> f32 {
     var sum = vec3f(0.0);
     var count = 0.0;
@@ -118,7 +120,7 @@ fn daa_normal_cone(corner: vec2u) -> f32 {
     return sqrt(greatest * 0.5);
 }
 
-/// Whether the window holds more than one material or object, the sky counted as one.
+/// Whether the window has more than one material or object. The sky counts as one.
 fn daa_mixed_identity(corner: vec2u) -> bool {
     let identity = textureLoad(daa_gbuffer_surface, corner, 0).y;
     let sky = daa_depth(0, 0) > 0.0;
@@ -132,7 +134,7 @@ fn daa_mixed_identity(corner: vec2u) -> bool {
     return mixed;
 }
 
-/// Whether other lights reach the window's first sample than reach a direct neighbour's. The sky is in no shadow and says nothing.
+/// Whether the window's first sample has other shadow bits than that of a direct neighbour. The sky is ignored.
 fn daa_mixed_shadow(pixel: vec2i) -> bool {
     let last = vec2i(daa_frame.size) - 1;
     let bits = daa_shadow_bits(vec2u(pixel), 0u);
@@ -146,17 +148,17 @@ fn daa_mixed_shadow(pixel: vec2i) -> bool {
     return mixed && daa_depth_at(vec2u(pixel) * DAA_M + daa_order(0u)) > DAA_SKY_DEPTH;
 }
 
-/// Luminance as the luminance metric sees it: exposed, and on request on a curve like a display's, x/(1+x) and a
-/// square root.
+/// Luminance as the luminance metric sees it: exposed, and on request on the display curve √(x/(1+x)).
 fn daa_metric_luminance(pixel: vec2i) -> f32 {
     let last = vec2i(daa_frame.size) - 1;
     let c = textureLoad(daa_first, clamp(pixel, vec2i(0), last), 0).rgb;
-    // The product may be infinite, and ∞/∞ is no number.
+    // The product may be infinite, and ∞/∞ is NaN.
     let l = min(daa_luminance(c) * daa_frame.exposure, 1e30);
     return select(l, sqrt(l / (1.0 + l)), daa_flag(DAA_FLAG_LUMINANCE_PERCEPTUAL));
 }
 
-/// The range of luminance over the four direct neighbours (and the pixel itself), 0 below both thresholds.
+/// The range of luminance over the four direct neighbours, and on request the pixel itself. 0 if it is below the
+/// greater of the two thresholds.
 fn daa_luminance_range(pixel: vec2i) -> f32 {
     let a = daa_metric_luminance(pixel + vec2i(-1, 0));
     let b = daa_metric_luminance(pixel + vec2i(1, 0));
@@ -203,7 +205,7 @@ fn daa_metrics_main(
         by = select(by, DAA_BY_NORMAL, wanted > k);
         k = max(k, wanted);
     }
-    // A window of sky has nothing to resolve, however steep its gradient.
+    // A window of nothing but sky has no edge, however steep its gradient is.
     let all_sky = daa_all_sky();
     if daa_frame.windowed.luminance_scale > 0.0 && !all_sky {
         let wanted = daa_frame.windowed.luminance_scale * daa_luminance_range(vec2i(id.xy));

@@ -1,5 +1,5 @@
-// plan: where each window's samples beyond the first lie in its tile's list, and what the frame will shade.
-// A tile is 8 × 8 pixels. The words are those of plan_word.wgsl. CPU twin: src/reference/plan.rs.
+// plan: lays out the samples of each tile of 8 × 8 pixels beyond the first ones, applies the tile limit, and counts
+// what the frame shades. CPU twin: src/reference/plan.rs.
 
 @group(3) @binding(0) var<storage, read> daa_counts: array<u32>;
 @group(3) @binding(1) var<storage, read_write> daa_plan: array<u32>;
@@ -8,7 +8,7 @@
 var<workgroup> daa_group_histogram: array<atomic<u32>, 64>;
 var<workgroup> daa_group_decided: array<atomic<u32>, 7>;
 
-/// A lane plans a tile: most tiles have little to add, and a tile's list needs no barrier this way.
+/// One lane plans a whole tile, which needs no barrier. Most tiles have few samples to add.
 @compute @workgroup_size(64)
 fn daa_plan_main(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) lane: u32) {
     if id.x < daa_tile_count() {
@@ -21,13 +21,13 @@ fn daa_plan_main(@builtin(global_invocation_id) id: vec3u, @builtin(local_invoca
         if overflows {
             atomicAdd(&daa_statistics.overflowed_tiles, 1u);
         }
-        // At most 64 · 63, so 16 bits hold it.
+        // This is at most 64 · 63, and fits in 16 bits.
         var before = 0u;
-        // Most windows have k = 1: counted here, so that lanes do not queue for one counter.
+        // Most windows have k = 1. They are counted here first, so that lanes do not contend for one counter.
         var ones = 0u;
         for (var i = 0u; i < 64u; i++) {
             let count = daa_counts[first_slot + i];
-            // 0: the tile reaches over the image's edge here.
+            // k is 0 where the tile extends beyond the image.
             let k = select(daa_plan_k(count), min(daa_plan_k(count), 1u), overflows);
             let reason = select(daa_plan_reason(count), DAA_BY_NOTHING, overflows);
             daa_plan[first_slot + i] = daa_plan_word(k, reason, before);

@@ -1,5 +1,5 @@
-// quadrants: shades the samples of active quadrants and puts pixels together from them and from the first samples (Jin et al. 2009,
-// sections 4.1.4 and 4.3.3, ExtraSampler). CPU twin: src/reference/selective.rs.
+// quadrants: shades the samples of active quadrants and combines them with the first samples into pixels (Jin et al.
+// 2009, sections 4.1.4 and 4.3.3, ExtraSampler). CPU twin: src/reference/selective.rs.
 
 @group(3) @binding(0) var daa_first: texture_2d<f32>;
 @group(3) @binding(1) var<storage, read> daa_plan: array<u32>;
@@ -9,7 +9,7 @@
 @group(3) @binding(4) var<storage, read> daa_list: array<u32>;
 @group(3) @binding(5) var<storage, read> daa_work: DaaWork;
 
-/// A sample joins as much as it lies in active quadrants.
+/// Adds a sample to the mean, weighted by the share of its quadrants that are active.
 fn daa_joined(mean: DaaMean, c: vec4f, rank: u32, chosen: u32) -> DaaMean {
     let parts = daa_quadrants(rank);
     let share = f32(countOneBits(parts & chosen)) / f32(max(countOneBits(parts), 1u));
@@ -21,7 +21,8 @@ fn daa_first_at(pixel: vec2i) -> vec4f {
     return textureLoad(daa_first, clamp(pixel, vec2i(0), vec2i(daa_frame.size) - 1), 0);
 }
 
-/// The colour of a quadrant that is not active: its pixel's, or that between the pixels at its corner, at its middle.
+/// The colour of an inactive quadrant: that of its pixel, or interpolated between the pixels at its corner, at the
+/// quadrant's centre.
 fn daa_inactive_color(pixel: vec2i, own: vec4f, quadrant: u32) -> vec4f {
     if !daa_flag(DAA_FLAG_BILINEAR) {
         return own;
@@ -32,7 +33,8 @@ fn daa_inactive_color(pixel: vec2i, own: vec4f, quadrant: u32) -> vec4f {
     return own * 0.5625 + beside * 0.1875 + daa_first_at(pixel + x + y) * 0.0625;
 }
 
-/// The pixel of its samples in active quadrants and of its quadrants that are not; each quadrant weighs a quarter of all.
+/// Stores a pixel from the samples of its active quadrants and the colours of the others. Each quadrant has a quarter
+/// of the weight.
 fn daa_store(pixel: vec2u, own: vec4f, samples: DaaMean, chosen: u32) {
     var mean = samples;
     let quarter = f32(daa_frame.selective.samples) * 0.25;
@@ -49,8 +51,8 @@ fn daa_chosen(slot: u32) -> u32 {
     return daa_plan_quadrants(daa_plan[slot]);
 }
 
-/// Pixels with active quadrants, in the order of their k: the paper's packed list (section 4.3.3) is of samples, and a pixel's
-/// would have to meet again.
+/// Shades the pixels with active quadrants, sorted by k. The paper packs a list of samples (section 4.3.3), whose
+/// colours would have to be gathered for each pixel.
 @compute @workgroup_size(64)
 fn daa_quadrants_active(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
     let draw = daa_draw(daa_work.begin, daa_work.end, group.y * daa_work.groups_x + group.x);
@@ -78,7 +80,7 @@ fn daa_quadrants_active(@builtin(workgroup_id) group: vec3u, @builtin(local_invo
     daa_store(pixel, own, mean, chosen);
 }
 
-/// The other pixels, where a quadrant that is not active has more than their first sample's colour.
+/// Stores the other pixels, where the colours of inactive quadrants are interpolated.
 @compute @workgroup_size(8, 8)
 fn daa_quadrants_between(
     @builtin(global_invocation_id) id: vec3u,

@@ -1,22 +1,23 @@
-// reconstruct: every geometric sample takes its colour from the shaded samples around it that lie on its surface, by a
-// bilateral filter: subpixel reconstruction (Chajdas, McGuire, Luebke 2011, "Subpixel Reconstruction Antialiasing for Deferred
-// Shading") as it was brought to ray tracing, with a gate for shadows (WSCG 2012, section 3). A sample that none of them speaks
-// for is shaded. CPU twin: src/reference/reconstruct.rs.
+// reconstruct: gives every geometric sample the filtered colour of the shaded samples on its surface around it. The
+// bilateral filter is that of subpixel reconstruction (Chajdas, McGuire, Luebke 2011, "Subpixel Reconstruction
+// Antialiasing for Deferred Shading") as extended to ray tracing, where shadows gate the weights (WSCG 2012, section
+// 3). A sample with no similar neighbour is shaded. CPU twin: src/reference/reconstruct.rs.
 
 @group(3) @binding(0) var daa_first: texture_2d<f32>;
 @group(3) @binding(1) var<storage, read_write> daa_plan: array<u32>;
 @group(3) @binding(2) var daa_color: texture_storage_2d<rgba32float, write>;
 @group(3) @binding(3) var<storage, read_write> daa_statistics: DaaStatistics;
 
-/// The shaded samples of a tile's windows and of those around it, 10 × 10.
+/// The shaded samples of the tile's windows and of the windows around it, 10 × 10.
 var<workgroup> daa_near: array<DaaGeometry, 100>;
 var<workgroup> daa_counts: array<u32, 64>;
 var<workgroup> daa_total: u32;
-/// What a round shades, a sample each lane: window (6 bits) | rank (6 bits) | k (8 bits). And what became of it.
+/// The samples that a round shades, one for each lane: window (6 bits) | rank (6 bits) | k (8 bits). Their colours
+/// follow in `daa_round_colors`.
 var<workgroup> daa_round: array<u32, 64>;
 var<workgroup> daa_round_colors: array<vec4f, 64>;
 
-/// The colour of a geometric sample from the shaded samples of its 3 × 3 windows.
+/// The weighted sum of the shaded samples of 3 × 3 windows around a geometric sample.
 struct DaaReconstructed {
     sum: vec4f,
     weight: f32,
@@ -26,7 +27,8 @@ fn daa_reconstruct_sample(pixel: vec2u, i: DaaGeometry) -> DaaReconstructed {
     var r = DaaReconstructed(vec4f(0.0), 0.0);
     let last = vec2i(daa_frame.size) - 1;
     let local = vec2i(pixel & vec2u(7u));
-    // An end that the compiler does not know: nine copies take drivers seconds to compile, and run no faster.
+    // The bound is not a constant, so that compilers do not unroll the loop: nine copies take drivers seconds to
+    // compile and run no faster.
     let end = min(9, last.x + 9);
     for (var place = 0; place < end; place++) {
         let step = vec2i(place % 3, place / 3);
@@ -41,14 +43,14 @@ fn daa_reconstruct_sample(pixel: vec2u, i: DaaGeometry) -> DaaReconstructed {
     return r;
 }
 
-/// Luminance about as a display shows it.
+/// Luminance on an approximate display curve.
 fn daa_shown_luminance(c: vec4f) -> f32 {
     let l = min(daa_luminance(c.rgb) * daa_frame.exposure, 1e30);
     return sqrt(l / (1.0 + l));
 }
 
-/// How many samples of its own surface a window is worth: the range of luminance over those of the four direct neighbours'
-/// shaded samples that speak for it, since other contrast is the geometry's.
+/// The number of samples of its own surface that a window shades. It follows from the luminance range of the four
+/// direct neighbours' shaded samples that are similar to its own, since other contrast is due to geometry.
 fn daa_contrast_samples(pixel: vec2u, own: DaaGeometry, own_color: vec4f) -> u32 {
     if !daa_flag(DAA_FLAG_OWN_FIRST) || daa_frame.reconstruct.contrast_scale == 0.0 || own.depth == 0.0 {
         return 1u;
@@ -71,7 +73,8 @@ fn daa_contrast_samples(pixel: vec2u, own: DaaGeometry, own_color: vec4f) -> u32
     return u32(clamp(round(daa_frame.reconstruct.contrast_scale * range), 1.0, f32(daa_frame.reconstruct.samples)));
 }
 
-/// What a geometric sample reflects and refracts, if that is not in the shaded colours: it has its own, and needs no filter.
+/// The radiance that a geometric sample reflects and refracts, unless the shaded colours include it. It was traced for
+/// this sample and is not filtered.
 fn daa_secondary_of(pixel: vec2u, rank: u32) -> vec4f {
     if !daa_flag(DAA_FLAG_SECONDARY_APART) {
         return vec4f(0.0);
@@ -93,7 +96,7 @@ fn daa_reconstruct_main(@builtin(workgroup_id) tile: vec3u, @builtin(local_invoc
     let n = DAA_M * DAA_M;
     let own_first = daa_flag(DAA_FLAG_OWN_FIRST);
     let own_color = textureLoad(daa_first, min(pixel, daa_frame.size - 1u), 0);
-    // The first k ranks are shaded where they lie on the window's own surface.
+    // Of the first k ranks, those on the window's own surface are shaded.
     var k = 1u;
     var shaded = vec2u(0u);
     var on_own = vec2u(0u);
@@ -105,7 +108,7 @@ fn daa_reconstruct_main(@builtin(workgroup_id) tile: vec3u, @builtin(local_invoc
         for (var rank = 0u; rank < daa_frame.reconstruct.samples; rank++) {
             let i = daa_geometry(pixel, rank);
             let secondary = daa_secondary_of(pixel, rank);
-            // The window's own sample is as near as any, and its texture footprint is this window's.
+            // The window's own shaded sample is as near as any other, and its texture footprint covers this window.
             if own_first && daa_reconstruct_weight(i, own) >= 0.5 {
                 on_own = daa_with(on_own, rank);
                 secondary_on_own += secondary;
@@ -125,7 +128,7 @@ fn daa_reconstruct_main(@builtin(workgroup_id) tile: vec3u, @builtin(local_invoc
         }
     }
 
-    // The tile's samples are shaded end to end, 64 a round, so that no lane waits for another's.
+    // The tile's samples are shaded end to end, 64 in a round, so that no lane waits for another.
     let count = countOneBits(shaded.x) + countOneBits(shaded.y);
     daa_counts[lane] = count;
     workgroupBarrier();

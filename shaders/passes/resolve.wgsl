@@ -1,7 +1,7 @@
-// resolve: writes the image into the host's target, in the target's range. Joined with fullscreen.wgsl; an entry point for each place
-// that the image may lie in. CPU twin: src/reference/resolve.rs.
+// resolve: writes the image into the host's target, clamped to the target's range. There is an entry point for each
+// resource that may hold the image. CPU twin: src/reference/resolve.rs.
 
-/// The greatest value that the target's format holds as a finite number.
+/// The greatest finite value of the target's format.
 override DAA_TARGET_MAX: f32 = 1.0;
 
 @group(3) @binding(0) var daa_first: texture_2d<f32>;
@@ -10,23 +10,23 @@ override DAA_TARGET_MAX: f32 = 1.0;
 @group(3) @binding(3) var<storage, read> daa_lattice_colors: array<vec4f>;
 
 fn daa_in_range(c: vec4f) -> vec4f {
-    // f16 turns 65520 into infinity: clamp first.
+    // Clamped first, since f16 turns 65520 into infinity.
     return clamp(c, vec4f(0.0), vec4f(vec3f(DAA_TARGET_MAX), min(DAA_TARGET_MAX, 1.0)));
 }
 
-/// S is the image.
+/// For frames whose image is S.
 @fragment
 fn daa_resolve_first(@builtin(position) position: vec4f) -> @location(0) vec4f {
     return daa_in_range(textureLoad(daa_first, vec2u(position.xy), 0));
 }
 
-/// Every pixel has its mean.
+/// For frames in which every pixel has a mean.
 @fragment
 fn daa_resolve_color(@builtin(position) position: vec4f) -> @location(0) vec4f {
     return daa_in_range(textureLoad(daa_color, vec2u(position.xy), 0));
 }
 
-/// Windows with k > 1 have a mean, the others their first sample.
+/// For frames with a plan: windows with k > 1 have a mean, the others their first sample.
 @fragment
 fn daa_resolve_by_plan(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let pixel = vec2u(position.xy);
@@ -36,7 +36,8 @@ fn daa_resolve_by_plan(@builtin(position) position: vec4f) -> @location(0) vec4f
     return daa_in_range(textureLoad(daa_first, pixel, 0));
 }
 
-/// The lattice of the pixels is the first of all, with a column beyond the image.
+/// For frames whose image is the lattice of pixels, which is the first of all lattices and has one column beyond the
+/// image.
 @fragment
 fn daa_resolve_lattice(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let pixel = vec2u(position.xy);

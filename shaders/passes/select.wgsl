@@ -1,6 +1,7 @@
-// select: which quadrants of a pixel are shaded four times, from what differs between the first samples of pixels that meet at its
-// corners (Jin, Ihm, Chang, Park, Lee, Jung 2009, "Selective and Adaptive Supersampling for Real-Time Ray Tracing", sections
-// 4.1.3 and 4.2, ActSubPixDetector). CPU twin: src/reference/selective.rs.
+// select: chooses the quadrants of each pixel of which four samples are shaded, by the differences between the first
+// samples of the pixels that meet at its corners (Jin, Ihm, Chang, Park, Lee, Jung 2009, "Selective and Adaptive
+// Supersampling for Real-Time Ray Tracing", sections 4.1.3 and 4.2, ActSubPixDetector). CPU twin:
+// src/reference/selective.rs.
 
 @group(3) @binding(0) var daa_first: texture_2d<f32>;
 @group(3) @binding(1) var<storage, read_write> daa_plan: array<u32>;
@@ -8,28 +9,28 @@
 /// A bit for each material that has a texture, then a byte for each object: its importance in 255ths.
 @group(3) @binding(3) var<storage, read> daa_marks: array<u32>;
 
-/// Words of `daa_marks` before the objects'.
+/// The index in `daa_marks` of the first object's word.
 const DAA_IMPORTANCE_AT: u32 = 2048u;
 
-/// A threshold that is switched off: above all others, and more than any contrast in every channel.
+/// A threshold that is off: greater than all others, and than any contrast in every channel.
 const DAA_OFF: f32 = 2.0;
 
-/// What a threshold is for, less one.
+/// The attribute of a threshold, `Attribute` of src/host/plan.rs.
 const DAA_COLOR: u32 = 0u;
 
-/// The object where no surface is seen or met.
+/// The object id of the sky, and of a ray that hits nothing.
 const DAA_NO_OBJECT: u32 = 0xffffffffu;
 
-/// What one pixel is compared by: its colour reference, and of what it shows, reflects and refracts the normal, the object,
-/// the shadow, and whether it has a texture.
+/// The values by which a pixel is compared: its colour reference, and for the surface that it shows, reflects and
+/// refracts the normal, the object, the shadow, and whether it has a texture.
 struct DaaSeen {
     color: vec3f,
     hits: array<vec4u, 3>,
 }
 
-/// The tile's pixels and those around it, 10 × 10.
+/// The pixels of the tile and those around it, 10 × 10.
 var<workgroup> daa_near: array<DaaSeen, 100>;
-/// Luminances of these and those around them, 12 × 12.
+/// The luminances of these pixels and of those around them, 12 × 12.
 var<workgroup> daa_luminances: array<f32, 144>;
 var<workgroup> daa_group_histogram: array<atomic<u32>, 64>;
 var<workgroup> daa_group_quadrants: array<atomic<u32>, 9>;
@@ -43,7 +44,7 @@ fn daa_hit(object: u32, material: u32, normal: u32, bits: u32) -> vec4u {
     return vec4u(normal, object, daa_shadow_of(bits), textured);
 }
 
-/// What the first sample of a pixel shows (0), reflects (1) or refracts (2).
+/// The surface that the first sample of a pixel shows (kind 0), reflects (1) or refracts (2).
 fn daa_seen(pixel: vec2u, kind: u32) -> vec4u {
     let nothing = vec4u(0u, DAA_NO_OBJECT, 0u, 0u);
     if kind > 0u {
@@ -61,7 +62,7 @@ fn daa_seen(pixel: vec2u, kind: u32) -> vec4u {
     return daa_hit(surface.y >> 16u, surface.y & 0xffffu, surface.x, daa_shadow_bits(pixel, 0u));
 }
 
-/// 1 where a differs from b in object, normal and shadow.
+/// 1 for each of object, normal and shadow in which a differs from b.
 fn daa_disagreeing(a: vec4u, b: vec4u) -> vec4f {
     var bent = a.x != b.x;
     if bent && a.y != DAA_NO_OBJECT && b.y != DAA_NO_OBJECT {
@@ -71,7 +72,7 @@ fn daa_disagreeing(a: vec4u, b: vec4u) -> vec4f {
     return vec4f(f32(a.y != b.y), f32(bent), f32(a.z != b.z), 0.0);
 }
 
-/// How much an object's attributes count, 0 to 1.
+/// The importance of an object's attributes, 0 to 1.
 fn daa_importance(object: u32) -> f32 {
     if object == DAA_NO_OBJECT {
         return 0.0;
@@ -79,20 +80,21 @@ fn daa_importance(object: u32) -> f32 {
     return f32((daa_marks[DAA_IMPORTANCE_AT + (object >> 2u)] >> (8u * (object & 3u))) & 0xffu) / 255.0;
 }
 
-/// The importance of each attribute that disagrees: of what is shown, and of what is reflected or refracted.
+/// The importance of each attribute that disagrees, for the surface that is shown and for those that are reflected or
+/// refracted.
 struct DaaDisagreement {
     shown: vec4f,
     beyond: vec4f,
 }
 
-/// A quadrant and the three pixels at its corner: the range of their colours, and how much they disagree.
+/// A quadrant's pixel and the three others at its corner: the range of their colours and their disagreement.
 struct DaaCorner {
     most: vec3f,
     least: vec3f,
     disagreement: DaaDisagreement,
 }
 
-/// With one more pixel, if it lies there.
+/// Adds a pixel to the corner if it lies there.
 fn daa_joins(corner: DaaCorner, color: vec3f, disagreement: DaaDisagreement, joins: bool) -> DaaCorner {
     return DaaCorner(
         select(corner.most, max(corner.most, color), joins),
@@ -104,7 +106,8 @@ fn daa_joins(corner: DaaCorner, color: vec3f, disagreement: DaaDisagreement, joi
     );
 }
 
-/// What is compared of a pixel: 1, or with what it reflects and refracts.
+/// The number of surfaces that are compared for a pixel: 1, or 3 with those that it reflects and refracts. The bound is
+/// not a constant, so that compilers do not unroll the loops.
 fn daa_kinds() -> u32 {
     return min(DAA_KINDS, daa_frame.size.x + 2u);
 }
@@ -125,7 +128,7 @@ fn daa_disagreement(own: u32, place: u32) -> DaaDisagreement {
     return found;
 }
 
-/// A texture counts wherever the pixel itself has it.
+/// A texture counts wherever the pixel itself has one, whatever its neighbours have.
 fn daa_textures(own: u32) -> DaaDisagreement {
     var found = DaaDisagreement();
     for (var kind = 0u; kind < daa_kinds(); kind++) {
@@ -140,7 +143,7 @@ fn daa_textures(own: u32) -> DaaDisagreement {
     return found;
 }
 
-/// A quadrant's threshold, and what it is for.
+/// A quadrant's threshold and its attribute.
 struct DaaThreshold {
     tau: f32,
     by: u32,
@@ -158,8 +161,8 @@ fn daa_least_threshold(least: DaaThreshold, taus: vec4f, importance: vec4f, by: 
     return found;
 }
 
-/// The least threshold of the attributes that disagree with a neighbour at the quadrant's corner, else that of colour. Where objects
-/// have an importance, thresholds lie by the greatest of those involved between these two.
+/// The least threshold of the attributes that disagree at the quadrant's corner, otherwise that of colour. With
+/// importances, a threshold lies between these two, by the greatest importance of the objects involved.
 fn daa_threshold(d: DaaDisagreement) -> DaaThreshold {
     var least = DaaThreshold(DAA_OFF, DAA_COLOR);
     least = daa_least_threshold(least, daa_frame.selective.primary, d.shown, 1u);
@@ -170,10 +173,11 @@ fn daa_threshold(d: DaaDisagreement) -> DaaThreshold {
     return least;
 }
 
-/// Whether the colours at the quadrant's corner contrast (Mitchell 1987) by a threshold or more: so that 0 takes all.
+/// Whether the contrast of the colours at the quadrant's corner (Mitchell 1987) is at least the threshold, so that a
+/// threshold of 0 makes every quadrant active.
 fn daa_contrasts(most: vec3f, least: vec3f, tau: f32) -> bool {
     var apart = most - least;
-    // Black is no contrast, and noise far below what can be seen not much.
+    // Black has no contrast, and invisibly dark noise has little.
     var contrast = apart / max(most + least, vec3f(1e-6));
     if daa_flag(DAA_FLAG_BY_GRADIENT) {
         apart = most;
@@ -184,10 +188,10 @@ fn daa_contrasts(most: vec3f, least: vec3f, tau: f32) -> bool {
     return any(contrast >= tau * select(vec3f(1.02), vec3f(1.36, 1.02, 2.04), by_channel));
 }
 
-/// What is chosen of a pixel so far.
+/// The quadrants of a pixel that are chosen so far.
 struct DaaChosen {
     quadrants: u32,
-    /// What the first one's threshold is for, from 1.
+    /// Attribute of the first one's threshold, counted from 1.
     by: u32,
 }
 
@@ -200,7 +204,7 @@ fn daa_choose(chosen: DaaChosen, quadrant: u32, corner: DaaCorner) -> DaaChosen 
     return DaaChosen(chosen.quadrants | (1u << quadrant), select(chosen.by, threshold.by + 1u, chosen.quadrants == 0u));
 }
 
-/// The length of the luminance gradient at a place of `daa_near`, by the Sobel operator; 1 at a step from 0 to 1.
+/// The length of the luminance gradient at an index of `daa_near`, by the Sobel operator; 1 at a step from 0 to 1.
 fn daa_gradient(place: i32) -> f32 {
     let at = (place / 10 + 1) * 12 + place % 10 + 1;
     let falling = daa_luminances[at + 13] - daa_luminances[at - 13];
@@ -244,7 +248,8 @@ fn daa_select_main(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocation
         var upper_right = upper_left;
         var lower_left = upper_left;
         var lower_right = upper_left;
-        // An end that the compiler does not know: eight copies take drivers long to compile, and run no faster.
+        // The bound is not a constant, so that compilers do not unroll the loop: eight copies take drivers long to
+        // compile and run no faster.
         let end = min(9, last.x + 9);
         for (var i = 0; i < end; i++) {
             let step = vec2i(i % 3, i / 3) - 1;

@@ -1,19 +1,19 @@
-// shade: the samples beyond the first, and their mean with it (Holländer et al. 2013, listing 1, ShadeRestAdaptively).
-// Windows with k = 1 are left alone: their mean is S.
+// shade: shades the samples beyond the first, and stores their mean with the first (Holländer et al. 2013, listing 1,
+// ShadeRestAdaptively). Windows with k = 1 are skipped: S is their image.
 
 @group(3) @binding(0) var daa_first: texture_2d<f32>;
 @group(3) @binding(1) var<storage, read> daa_plan: array<u32>;
 @group(3) @binding(2) var daa_color: texture_storage_2d<rgba32float, write>;
 @group(3) @binding(3) var<storage, read_write> daa_statistics: DaaStatistics;
 
-/// The first sample joins the others.
+/// Stores the mean of the first sample and the others.
 fn daa_store(pixel: vec2u, others: DaaMean) {
     let first = daa_weighted(DaaMean(), textureLoad(daa_first, pixel, 0));
     let mean = DaaMean(first.sum + others.sum, first.weight + others.weight);
     textureStore(daa_color, pixel, daa_mean_finish(mean));
 }
 
-/// `Full`: every sample, the grid reference.
+/// `Full`: shades every sample.
 @compute @workgroup_size(8, 8)
 fn daa_shade_full(@builtin(global_invocation_id) id: vec3u) {
     if any(id.xy >= daa_frame.size) {
@@ -44,12 +44,12 @@ fn daa_shade_loop(
     daa_store(id.xy, others);
 }
 
-/// Sums of samples beyond the first. 0 to 63: of each window, by the lane in whose part it begins. 64 to 127: of what
-/// each lane found going on from the part before.
+/// The sums of samples beyond the first. 0 to 63: the sum of each window, from the lane in whose part the window
+/// begins. 64 to 127: the sum, by lane, of samples whose window began in an earlier part.
 var<workgroup> daa_sums: array<vec4f, 128>;
 var<workgroup> daa_weights: array<f32, 128>;
 
-/// A window of the tile: k, and where its samples lie in the tile's list.
+/// A window of the tile: k, and the range of its samples in the tile's list.
 struct DaaTileWindow {
     k: u32,
     begin: u32,
@@ -62,8 +62,9 @@ fn daa_tile_window(word: u32) -> DaaTileWindow {
     return DaaTileWindow(k, begin, begin + max(k, 1u) - 1u);
 }
 
-/// `Tiled`: the tile's samples are laid end to end and cut into equal parts, one a lane, so that every lane is busy as
-/// long as any (section 6 names tiles as future work). The parts meet in workgroup memory behind the only barrier.
+/// `Tiled`: the tile's samples are laid end to end and cut into equal parts, one for each lane, so that all lanes are
+/// busy equally long (section 6 names tiles as future work). The parts are combined in workgroup memory after the only
+/// barrier.
 @compute @workgroup_size(64)
 fn daa_shade_tiled(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocation_index) lane: u32) {
     let first_slot = daa_tile_index(tile.xy) * 64u;
@@ -83,7 +84,7 @@ fn daa_shade_tiled(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocation
     var window = daa_tile_window(daa_plan[first_slot + index]);
     var mean = DaaMean();
     for (var entry = part_begin; entry < part_end; entry++) {
-        // On to the next window that has samples; there is one, since the list goes on.
+        // Advances to the next window with samples. There is one, since the list goes on.
         if entry == window.end {
             mean = DaaMean();
             while entry == window.end {

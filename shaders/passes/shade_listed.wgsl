@@ -1,10 +1,10 @@
-// shade_listed: `shade` for the executions that work on a list of pixels or of samples. Joined with shade.wgsl and work.wgsl.
+// shade_listed: `shade` for the executions that run a list of pixels or of samples.
 
 @group(3) @binding(4) var<storage, read> daa_list: array<u32>;
 @group(3) @binding(5) var<storage, read> daa_work: DaaWork;
 /// The colours of a batch of listed samples.
 @group(3) @binding(6) var<storage, read_write> daa_colors: array<vec4f>;
-/// Samples of the list before each tile's.
+/// The number of samples in the list before those of each tile.
 @group(3) @binding(7) var<storage, read> daa_rows: array<u32>;
 
 /// The first entry of a workgroup.
@@ -12,8 +12,8 @@ fn daa_first_entry(group: vec3u) -> u32 {
     return daa_work.begin + (group.y * daa_work.groups_x + group.x) * 64u;
 }
 
-/// `Bucketed`, where all pixels of a dispatch have the same k (the stencil variant of section 4.2), and `Sorted`, where those
-/// of a workgroup have.
+/// `Bucketed` and `Sorted`. All pixels of a dispatch have the same k with `Bucketed` (the stencil variant of section
+/// 4.2), and all pixels of a workgroup with `Sorted`.
 @compute @workgroup_size(64)
 fn daa_shade_pixels(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
     let draw = daa_draw(daa_work.begin, daa_work.end, group.y * daa_work.groups_x + group.x);
@@ -47,7 +47,7 @@ fn daa_shade_packed(@builtin(workgroup_id) group: vec3u, @builtin(local_invocati
     daa_colors[entry - daa_work.begin] = c;
 }
 
-/// Adds up what `daa_shade_packed` shaded, in the order of ranks.
+/// Adds up the colours of `daa_shade_packed`, in the order of ranks.
 @compute @workgroup_size(8, 8)
 fn daa_shade_gather(
     @builtin(global_invocation_id) id: vec3u,

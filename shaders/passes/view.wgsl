@@ -1,28 +1,28 @@
-// view: a look at what the frame is made from, in place of resolve. Displayable values in [0, 1]. Joined with fullscreen.wgsl; an entry
-// point for each thing that views look at.
+// view: writes a debug view into the target in place of resolve, as values in [0, 1]. There is an entry point for each
+// resource that views show.
 
 @group(3) @binding(0) var daa_first: texture_2d<f32>;
 @group(3) @binding(1) var<storage, read> daa_plan: array<u32>;
 /// `DaaTileLists` of classify.wgsl, word by word.
 @group(3) @binding(2) var<storage, read> daa_tile_lists: array<u32>;
-/// Of trace.wgsl.
+/// As trace.wgsl writes it.
 @group(3) @binding(3) var<storage, read> daa_shadows: array<u32>;
-/// Of bounce.wgsl.
+/// As bounce.wgsl writes it.
 @group(3) @binding(4) var<storage, read> daa_secondary: array<u32>;
 
-/// Black through red and yellow to white.
+/// A colour scale from black through red and yellow to white.
 fn daa_heat(t: f32) -> vec3f {
     return clamp(vec3f(t * 3.0, t * 3.0 - 1.0, t * 3.0 - 2.0), vec3f(0.0), vec3f(1.0));
 }
 
-/// A colour for a number, far from its neighbours' (PCG hash, Jarzynski and Olano 2020).
+/// A colour for a number that differs from those of its neighbours (PCG hash, Jarzynski and Olano 2020).
 fn daa_label(i: u32) -> vec3f {
     let state = i * 747796405u + 2891336453u;
     let word = ((state >> ((state >> 28u) + 4u)) ^ state) * 277803737u;
     return unpack4x8unorm((word >> 22u) ^ word).rgb * 0.8 + 0.1;
 }
 
-/// Surfaces among the samples of a window.
+/// The number of surfaces among the samples of a window.
 fn daa_surfaces(pixel: vec2u) -> u32 {
     var identities: array<u32, 64>;
     var different = 0u;
@@ -46,12 +46,14 @@ fn daa_surfaces(pixel: vec2u) -> u32 {
     return different + sky;
 }
 
-/// Where classify.wgsl writes down the classes of a pixel's tile, behind both lists: 1 with a surface, 2 with one that sends rays.
+/// The classes of a pixel's tile, which classify.wgsl writes behind both lists: bit 0 with a surface, bit 1 with a
+/// surface that sends rays.
 fn daa_tile_classes(pixel: vec2u) -> u32 {
     return daa_tile_lists[8u + 2u * daa_tile_count() + daa_tile_index(pixel >> vec2u(3u))];
 }
 
-/// By channel, the share of its casting lights that reach where these bits are. One light alone is white.
+/// The share of lights that reach a sample with these bits, with the lights assigned to the channels in turn. A single
+/// light is white.
 fn daa_reached(bits: u32) -> vec3f {
     var lights = vec3f(0.0);
     var reach = vec3f(0.0);
@@ -64,7 +66,8 @@ fn daa_reached(bits: u32) -> vec3f {
     return select(share, share.xxx, daa_frame.casting == 1u);
 }
 
-/// Rays that the samples of a pixel send. What this frame does not trace another may have left there.
+/// The number of rays that the samples of a pixel send. Kinds that this frame does not trace are left out, since an
+/// earlier frame may have left its counts.
 fn daa_rays_sent(pixel: vec2u) -> u32 {
     let n = DAA_M * DAA_M;
     var rays = 0u;
@@ -78,7 +81,7 @@ fn daa_rays_sent(pixel: vec2u) -> u32 {
     return rays;
 }
 
-/// What the host rendered.
+/// The channels of the G-buffer.
 @fragment
 fn daa_view_gbuffer(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let pixel = vec2u(position.xy);
@@ -103,7 +106,7 @@ fn daa_view_gbuffer(@builtin(position) position: vec4f) -> @location(0) vec4f {
     return vec4f(select(c, vec3f(0.0), s.depth == 0.0), 1.0);
 }
 
-/// Surfaces: how many the window holds, on a logarithmic scale.
+/// Surfaces: their number in the window, on a logarithmic scale.
 @fragment
 fn daa_view_surfaces(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let surfaces = daa_surfaces(vec2u(position.xy));
@@ -149,8 +152,8 @@ fn daa_view_of_plan(plan: u32) -> vec4f {
     return vec4f(c, 1.0);
 }
 
-/// The metric whose colour stands for what a threshold of `Selective` is for: colour; object, normal, shadow, texture, and these of what is
-/// reflected and refracted.
+/// The metric whose colour stands for the attribute of a threshold of `Selective`: colour; object, normal, shadow and
+/// texture; and those of reflected and refracted surfaces.
 fn daa_metric_of_attribute(by: u32) -> u32 {
     if by == 1u {
         return DAA_BY_LUMINANCE;
@@ -168,7 +171,7 @@ fn daa_view_plan(@builtin(position) position: vec4f) -> @location(0) vec4f {
     return daa_view_of_plan(daa_plan[daa_slot(vec2u(position.xy))]);
 }
 
-/// Without a plan every window has the same k: n, or 1.
+/// For frames without a plan, in which every window has the same k: n, or 1.
 @fragment
 fn daa_view_unplanned(@builtin(position) position: vec4f) -> @location(0) vec4f {
     return daa_view_of_plan(select(1u, DAA_M * DAA_M, daa_flag(DAA_FLAG_FULL)));
@@ -190,14 +193,14 @@ fn daa_view_shadows(@builtin(position) position: vec4f) -> @location(0) vec4f {
     return vec4f(select(daa_reached(daa_shadows[daa_sample_index(pixel, 0u)]), vec3f(0.0), sky), 1.0);
 }
 
-/// Rays: how many the samples of the pixel send, on a logarithmic scale.
+/// Rays: the number that the samples of the pixel send, on a logarithmic scale.
 @fragment
 fn daa_view_rays(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let most = DAA_M * DAA_M * (daa_frame.casting + 2u);
     return vec4f(daa_heat(log2(f32(1u + daa_rays_sent(vec2u(position.xy)))) / log2(f32(1u + most))), 1.0);
 }
 
-/// Where no ray was asked for, there is nothing to show of any.
+/// For views of rays in frames that trace none: black.
 @fragment
 fn daa_view_nothing() -> @location(0) vec4f {
     return vec4f(0.0, 0.0, 0.0, 1.0);

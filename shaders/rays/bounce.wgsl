@@ -1,21 +1,22 @@
-// bounce: one mirrored and one refracted ray from samples whose material sends them, what they meet shaded by the host's own hook
-// (the secondary rays of subpixel reconstruction for ray tracing, WSCG 2012, section 3). Joined with casting.wgsl, rays.wgsl and the chunk of a tier.
-// CPU twin: src/reference/rays/bounce.rs.
+// bounce: traces one mirrored and one refracted ray from samples whose material sends rays, and shades their hits with
+// the host's own code (the secondary rays of subpixel reconstruction for ray tracing, WSCG 2012, section 3). CPU twin:
+// src/reference/rays/bounce.rs.
 
-/// What was found, rank by rank: codes of shared_exponent.wgsl. For `Selective` also what the rays of first samples met, behind them.
-/// Where they are kept, the rays of each behind both: mirrored ones, refracted ones · 2¹⁶.
+/// The reflected and refracted radiance of all samples, rank by rank, as codes of shared_exponent.wgsl. The hits of
+/// first samples follow for `Selective`. If the rays of each sample are recorded, their counts follow both: mirrored
+/// rays + refracted rays · 2¹⁶.
 @group(3) @binding(5) var<storage, read_write> daa_secondary: array<u32>;
-/// A bit for each material: it sends rays.
+/// A bit for each material: whether it sends rays.
 @group(3) @binding(9) var<storage, read> daa_bouncing: array<u32>;
 
-/// Surfaces of its own object that a refracted ray passes, at most.
+/// The most surfaces of its own object that a refracted ray passes.
 const DAA_MAX_PASSAGES: u32 = 4u;
 
-/// What the last ray met that its surface was shaded for, as `daa_secondary_hit` has it.
+/// The surface that the last ray hit, as `daa_secondary_hit` returns it.
 var<private> daa_last_hit: vec3u;
 
-/// The angle of a ray's cone is a sample's; its width grows with the way (Akenine-Möller et al. 2019, "Texture Level of Detail
-/// Strategies for Real-Time Ray Tracing", section 20.3.4).
+/// The cone of a ray. Its angle is that of a sample, and its width grows with distance (Akenine-Möller et al. 2019,
+/// "Texture Level of Detail Strategies for Real-Time Ray Tracing", section 20.3.4).
 struct DaaCone {
     width: f32,
     spread: f32,
@@ -32,7 +33,7 @@ fn daa_cone(pixel: vec2u, rank: u32, s: DaaSample) -> DaaCone {
     return DaaCone(spread * length(s.relative_position), spread);
 }
 
-/// A surface that a ray met.
+/// A surface that a ray hit.
 struct DaaMet {
     s: DaaSample,
     front: bool,
@@ -53,7 +54,8 @@ fn daa_met(pixel: vec2u, rank: u32, ray: DaaRay, hit: DaaHit, cone: DaaCone) -> 
     let t1 = daa_ray_geometry[corners.y + names.w];
     let t2 = daa_ray_geometry[corners.z + names.w];
     let w = vec3f(1.0 - hit.barycentrics.x - hit.barycentrics.y, hit.barycentrics);
-    // The rows take positions into the mesh's own space: normals go back by them, tangents by their inverse.
+    // The rows transform positions to the mesh's own space, so they transform normals back; their inverse transforms
+    // tangents back.
     let back = mat3x3f(x, y, z);
     let side = select(-1.0, 1.0, hit.front != 0u);
     let n0 = daa_octahedral_decode(unpack2x16snorm(t0.x));
@@ -76,7 +78,7 @@ fn daa_met(pixel: vec2u, rank: u32, ray: DaaRay, hit: DaaHit, cone: DaaCone) -> 
     s.view = -ray.direction;
     s.geometric_normal = flat_normal * (side * inverseSqrt(max(dot(flat_normal, flat_normal), 1e-36)));
     s.normal = smooth_normal * (side * inverseSqrt(max(dot(smooth_normal, smooth_normal), 1e-36)));
-    // A mirroring instance turns N × T round, and the bitangent not.
+    // A mirroring instance reverses N × T, but not the bitangent.
     s.tangent = vec4f(tangent * inverseSqrt(max(dot(tangent, tangent), 1e-36)), tangents.w * side * sign(volume));
     s.material = more.x;
     s.object = more.y;
@@ -85,7 +87,7 @@ fn daa_met(pixel: vec2u, rank: u32, ray: DaaRay, hit: DaaHit, cone: DaaCone) -> 
     let d1 = bitcast<vec2f>(t1.zw) - uv0;
     let d2 = bitcast<vec2f>(t2.zw) - uv0;
     s.uv = uv0 + d1 * w.y + d2 * w.z;
-    // Texture over world along one side, from the areas; the edges' area goes back like their normal.
+    // The ratio of texture to world lengths follows from the areas. The area of the edges transforms like their normal.
     let world_area = length(flat_normal) / max(abs(volume), 1e-36);
     let scale = sqrt(abs(d1.x * d2.y - d1.y * d2.x) / max(world_area, 1e-36));
     let across = (cone.width + cone.spread * hit.t) / max(abs(dot(s.normal, ray.direction)), 0.05);
@@ -105,7 +107,8 @@ fn daa_sky_towards(pixel: vec2u, rank: u32, direction: vec3f) -> vec3f {
     return daa_clean(daa_call_sky(s)).color.rgb;
 }
 
-/// What comes along a ray that leaves a surface of `object`. One that is refracted passes through the object's far sides.
+/// The radiance along a ray that leaves a surface of `object`. A refracted ray passes through the back faces of the
+/// object.
 fn daa_arriving(pixel: vec2u, rank: u32, from_point: vec3f, towards: vec3f, refracted: bool, ior: f32, object: u32, start: DaaCone) -> vec3f {
     var origin = from_point;
     var direction = towards;
@@ -120,7 +123,7 @@ fn daa_arriving(pixel: vec2u, rank: u32, from_point: vec3f, towards: vec3f, refr
         }
         let met = daa_met(pixel, rank, ray, hit, cone);
         if refracted && met.s.object == object && !met.front && i + 1u < end {
-            // Out again, or back inside where the angle is too flat.
+            // The ray leaves the object, or is reflected inside it where the angle is too flat.
             let out = refract(direction, met.s.normal, ior);
             let leaves = dot(out, out) > 0.0;
             direction = normalize(select(reflect(direction, met.s.normal), out, leaves));
@@ -132,7 +135,7 @@ fn daa_arriving(pixel: vec2u, rank: u32, from_point: vec3f, towards: vec3f, refr
         var s = met.s;
         let normal = s.geometric_normal;
         s.shadow = daa_shadows_at(s.relative_position, s.normal, normal, s.object).x;
-        // A lowest bit of the normal, so that no surface is 0.
+        // The lowest bit of the normal's code is set, so that no hit has the code 0.
         let code = pack2x16snorm(daa_octahedral_encode(s.normal)) | 1u;
         daa_last_hit = vec3u((s.object & 0xffffu) | (s.material << 16u), code, s.shadow);
         return daa_clean(daa_call_hook(s, 1.0)).color.rgb;
@@ -143,13 +146,13 @@ fn daa_arriving(pixel: vec2u, rank: u32, from_point: vec3f, towards: vec3f, refr
 
 var<workgroup> daa_group_rays: array<vec2u, 64>;
 
-/// Whether its material may.
+/// Whether the material of a sample sends rays.
 fn daa_sends_rays(pixel: vec2u, rank: u32) -> bool {
     let material = textureLoad(daa_gbuffer_surface, pixel * DAA_M + daa_order(rank), 0).y & 0xffffu;
     return (daa_bouncing[material >> 5u] & (1u << (material & 31u))) != 0u;
 }
 
-/// Nothing is found where nothing is sent.
+/// A point that sends no rays has no radiance.
 fn daa_begin(index: u32) {
     daa_points[index + daa_casting.step.found].y = 0u;
 }
@@ -180,7 +183,8 @@ fn daa_bounce_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocatio
         let offset = daa_ray_offset(s.relative_position);
         var sum = vec3f(0.0);
         var traced = false;
-        // An end that the compiler does not know: one copy of the host's code takes long enough to compile.
+        // The bound is not a constant, so that compilers do not unroll the loop: one copy of the host's code takes long
+        // enough to compile.
         let kinds = min(2u, daa_frame.size.x + 1u);
         for (var kind = 0u; kind < kinds; kind++) {
             let weight = select(b.reflection, b.refraction, kind == 1u);
@@ -195,8 +199,8 @@ fn daa_bounce_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocatio
             if dot(direction, direction) == 0.0 {
                 continue;
             }
-            // A normal map may send a mirrored ray into the surface: along it then, risen by more than the 1° within which the
-            // geometric normal is known, else it may meet the triangle that it leaves.
+            // A normal map may mirror a ray into the surface. It then runs along the surface, raised by more than the
+            // 1° within which the geometric normal is known, since otherwise it might hit the triangle that it leaves.
             let into = dot(direction, s.geometric_normal);
             if kind == 0u && into < 0.0 {
                 direction += s.geometric_normal * (0.02 - into);

@@ -1,17 +1,17 @@
-// What `trace` and `bounce` share: which samples they work on, and shadow rays. Joined with the rays' chunks, lattice.wgsl and
-// listing.wgsl; `daa_wants` and `daa_begin` are the pass's own.
+// The shared parts of `trace` and `bounce`: the samples from which they cast rays, and shadow rays. Each pass defines
+// its own `daa_wants` and `daa_begin`.
 
 @group(3) @binding(1) var<storage, read> daa_ray_geometry: array<vec4u>;
 @group(3) @binding(2) var<storage, read> daa_ray_top: array<vec4u>;
 @group(3) @binding(3) var<uniform> daa_casting: DaaCasting;
 @group(3) @binding(4) var<storage, read> daa_plan: array<u32>;
 @group(3) @binding(6) var<storage, read_write> daa_statistics: DaaStatistics;
-/// `DaaTileLists` of classify.wgsl, word by word: two classes of four words, then the tiles of either.
+/// `DaaTileLists` of classify.wgsl, word by word: two classes of four words, then the tiles of each class.
 @group(3) @binding(7) var<storage, read> daa_tile_lists: array<u32>;
-/// Of lattice.wgsl.
+/// The points of lattices, see lattice.wgsl.
 @group(3) @binding(8) var<storage, read_write> daa_points: array<vec4u>;
 
-/// Which samples a dispatch works on: `CastSamples` of src/gpu/uniforms/casting.rs.
+/// The samples from which a dispatch casts rays: `CastSamples` of src/gpu/uniforms/casting.rs.
 const DAA_SAMPLES_FIRST: u32 = 0u;
 const DAA_SAMPLES_FULL: u32 = 1u;
 const DAA_SAMPLES_PLANNED: u32 = 2u;
@@ -21,36 +21,38 @@ const DAA_SAMPLES_POINTS: u32 = 5u;
 
 /// A light that casts shadows.
 struct DaaCastingLight {
-    /// From the camera; of a directional light the unit vector towards it.
+    /// Position relative to the camera; for a directional light, the unit vector towards it.
     position: vec3f,
-    /// 0: infinitely far, in one direction.
+    /// 0 for a directional light, 1 for a punctual light.
     punctual: u32,
-    /// In which it shines.
+    /// Axis of the cone.
     direction: vec3f,
-    /// Cosine of the angle from there beyond which it is dark; -1: it shines everywhere.
+    /// Cosine of half the cone's angle; -1 if the light shines in all directions.
     cone: f32,
-    /// Beyond, it is dark.
+    /// Distance beyond which the light is dark.
     range: f32,
 }
 
 struct DaaCasting {
+    /// Number of lights.
     count: u32,
     /// DAA_SAMPLES_*.
     samples: u32,
-    /// 1: the rays of each sample are written down, for the debug view of them.
+    /// 1 if the number of rays of each sample is recorded, for the debug view of rays.
     keeps: u32,
     padding: u32,
-    /// Of DAA_SAMPLES_POINTS.
+    /// The lattice of DAA_SAMPLES_POINTS.
     step: DaaStep,
     lights: array<DaaCastingLight, 32>,
 }
 
-/// Classes of tiles, as classify.wgsl lists them.
+/// Classes of tiles, in the order of `DaaTileLists`.
 const DAA_TILES_SURFACE: u32 = 0u;
 const DAA_TILES_BOUNCE: u32 = 1u;
 
-/// A pixel, and the ranks from `first` to before `end` of it, those of some quadrants alone. Of points: a lane, counted
-/// through all workgroups, and a bit for each chosen one of its points.
+/// The samples of a lane: of a pixel, the ranks from `first` up to, but without, `end`, restricted to some quadrants.
+/// With DAA_SAMPLES_POINTS, `pixel` is the lane's position among all workgroups, and `quadrants` has a bit for each of
+/// its chosen points.
 struct DaaRanks {
     pixel: vec2u,
     first: u32,
@@ -58,17 +60,17 @@ struct DaaRanks {
     quadrants: u32,
 }
 
-/// Of a plan without quadrants.
+/// The value of `quadrants` without a restriction.
 const DAA_ALL_QUADRANTS: u32 = 0xffu;
 
-/// A sample that casts rays, if it is wanted.
+/// A sample, and whether it casts rays.
 struct DaaCaster {
     pixel: vec2u,
     rank: u32,
     wanted: bool,
-    /// What it finds is the sample's.
+    /// Whether the results belong to the sample itself.
     inside: bool,
-    /// Of DAA_SAMPLES_POINTS: where in `daa_points` what it finds belongs, too.
+    /// For DAA_SAMPLES_POINTS, the index in `daa_points` for the results.
     found: u32,
 }
 
@@ -84,7 +86,7 @@ fn daa_caster(ranks: DaaRanks, i: u32) -> DaaCaster {
     return DaaCaster(ranks.pixel, i, wanted, true, 0u);
 }
 
-/// None past the edges of the image, nor past the end of the list of the tiles of this kind.
+/// The samples of a lane. There are none outside the image, or beyond the end of the list of tiles of this kind.
 fn daa_ranks(group: vec2u, lane: u32, kind: u32) -> DaaRanks {
     if daa_casting.samples == DAA_SAMPLES_POINTS {
         let own = group * 8u + vec2u(lane & 7u, lane >> 3u);
@@ -119,29 +121,29 @@ fn daa_ranks(group: vec2u, lane: u32, kind: u32) -> DaaRanks {
             }
             return DaaRanks(pixel, 1u, k, all);
         }
-        // Those that were not planned.
+        // The samples that were not planned.
         case DAA_SAMPLES_AUDITED: { return DaaRanks(pixel, k, n, all); }
         default: { return DaaRanks(pixel, 1u, daa_frame.reconstruct.samples, all); }
     }
 }
 
-/// How far rays start from a surface: 2⁻¹⁶ of its distance, for what the depth buffer and the ray scene round differently.
-/// Coordinates in the world have no part in it, as both are relative to the camera; those of a mesh's own space do, where they
-/// are much larger (`RayScene::least_offset`).
+/// The distance from a surface at which rays start: 2⁻¹⁶ of its distance to the camera, since the depth buffer and the
+/// ray scene round differently. World coordinates do not matter, as both are relative to the camera. Coordinates in a
+/// mesh's own space matter if they are much larger (`RayScene::least_offset`).
 fn daa_ray_offset(relative: vec3f) -> f32 {
     let from_camera = abs(relative);
     let by_distance = max(max(from_camera.x, from_camera.y), from_camera.z) * 1.52587890625e-5;
     return max(by_distance, bitcast<f32>(daa_ray_top[0].z));
 }
 
-/// Whether light i does not reach a surface, and 1 if a ray was needed to say so.
+/// 1 if light i does not reach a surface, and 1 if a ray was traced to find out.
 fn daa_shadow(i: u32, position: vec3f, normal: vec3f, geometric_normal: vec3f, object: u32) -> vec2u {
     let light = daa_casting.lights[i];
     var towards = light.position;
     if light.punctual != 0u {
         towards -= position;
         let squared = dot(towards, towards);
-        // Where it does not shine, nothing keeps it from shining.
+        // Outside its range or cone a light casts no shadow.
         if squared >= light.range * light.range || squared == 0.0 || dot(towards, light.direction) > -light.cone * sqrt(squared) {
             return vec2u(0u);
         }
@@ -149,21 +151,21 @@ fn daa_shadow(i: u32, position: vec3f, normal: vec3f, geometric_normal: vec3f, o
     if dot(normal, towards) <= 0.0 {
         return vec2u(1u, 0u);
     }
-    // Where the smooth surface faces the light and its coarse triangle does not, the ray starts inside of the body, and where
-    // it leaves it that does not count: else the triangles would show at the terminator.
+    // If the smooth surface faces the light but its coarse triangle does not, the ray starts inside the object, and the
+    // surface where it leaves the object is ignored. Otherwise triangles would show at the terminator.
     let inside = dot(geometric_normal, towards) <= 0.0;
     let origin = position + geometric_normal * select(daa_ray_offset(position), -daa_ray_offset(position), inside);
     var ray = DaaRay(origin, 0.0, towards, 1e30);
     if light.punctual != 0u {
         ray.direction = light.position - origin;
-        // Not the lamp itself.
+        // The ray ends before the lamp itself.
         ray.t_max = 0.9998;
     }
     let hit = daa_trace(ray, true, select(DAA_MISS, object, inside));
     return vec2u(u32(hit.instance != DAA_MISS), 1u);
 }
 
-/// The bits of all lights in x, rays in y.
+/// The shadow bits of all lights in x, and the number of rays in y.
 fn daa_shadows_at(position: vec3f, normal: vec3f, geometric_normal: vec3f, object: u32) -> vec2u {
     var bits = vec2u(0u);
     for (var i = 0u; i < daa_casting.count; i++) {

@@ -1,12 +1,12 @@
-// classify: the tiles in which rays are wanted, by kind, so that `trace` and `bounce` go to these alone.
-// CPU twin: src/reference/rays/classify.rs.
+// classify: lists the tiles in which rays are needed, by kind, so that `trace` and `bounce` run only there. CPU twin:
+// src/reference/rays/classify.rs.
 
 @group(3) @binding(0) var<storage, read_write> daa_tile_lists: DaaTileLists;
-/// A bit for each material: it sends rays.
+/// A bit for each material: whether it sends rays.
 @group(3) @binding(1) var<storage, read> daa_bouncing: array<u32>;
 @group(3) @binding(2) var<storage, read_write> daa_statistics: DaaStatistics;
 
-/// Tiles of a class: how many, and workgroups for an indirect dispatch over them.
+/// A class of tiles: their number, and the workgroups of an indirect dispatch over them.
 struct DaaTileClass {
     count: atomic<u32>,
     groups_x: u32,
@@ -15,9 +15,10 @@ struct DaaTileClass {
 }
 
 struct DaaTileLists {
-    /// 0: with a surface, 1: with one that sends rays.
+    /// Class 0: tiles with a surface. Class 1: tiles with a surface that sends rays.
     classes: array<DaaTileClass, 2>,
-    /// Indices of tiles, in no order; those of class 1 begin at the number of all tiles. Behind them, by tile, a bit for each class.
+    /// Indices of tiles in no particular order; those of class 1 begin at the number of all tiles. A word for each tile
+    /// follows both lists, with a bit for each class.
     tiles: array<u32>,
 }
 
@@ -26,7 +27,7 @@ var<workgroup> daa_found: atomic<u32>;
 @compute @workgroup_size(64)
 fn daa_classify_main(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocation_index) lane: u32) {
     let pixel = daa_tile_pixel(tile.xy, lane);
-    // Where no material sends rays, a tile is known as soon as it holds a surface.
+    // If no material sends rays, the search ends at the first surface.
     let wanted = select(1u, 3u, daa_flag(DAA_FLAG_BOUNCES));
     var found = 0u;
     if all(pixel < daa_frame.size) {
@@ -54,7 +55,7 @@ fn daa_classify_main(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocati
     }
 }
 
-/// Behind it: what the dispatches over the lists want, within 65 535 a dimension.
+/// Runs after it, and writes the workgroups of the dispatches over the lists, at most 65,535 along a dimension.
 @compute @workgroup_size(1)
 fn daa_classify_finish() {
     for (var kind = 0u; kind < 2u; kind++) {

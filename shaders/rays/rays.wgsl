@@ -1,7 +1,7 @@
-// rays: what a ray and its hit are, whatever traces them.
+// rays: a ray and its hit, for every way of tracing.
 
-/// Relative to the camera. Points at `origin + t · direction`, t_min < t < t_max, all finite; the direction need not be of
-/// unit length, but not zero.
+/// A ray relative to the camera: the points `origin + t · direction` with t_min < t < t_max, all finite. The direction
+/// may have any length above 0.
 struct DaaRay {
     origin: vec3f,
     t_min: f32,
@@ -10,28 +10,29 @@ struct DaaRay {
 }
 
 struct DaaHit {
-    /// In lengths of the ray's direction; the ray's t_max if it hit nothing.
+    /// Distance in lengths of the ray's direction; the ray's t_max if it hit nothing.
     t: f32,
-    /// The place of the instance among the frame's, DAA_MISS if it hit nothing.
+    /// Index of the instance in the frame; DAA_MISS if the ray hit nothing.
     instance: u32,
-    /// Of the mesh.
+    /// Index of the triangle in its mesh.
     triangle: u32,
-    /// 1 if its vertices are seen counterclockwise in the mesh's own space, whether the instance mirrors it or not; else 0.
+    /// 1 if the vertices appear counterclockwise in the mesh's own space, whether or not the instance mirrors it;
+    /// otherwise 0.
     front: u32,
     /// Weights of the second and the third vertex.
     barycentrics: vec2f,
-    /// Where the instance's record begins in daa_ray_top.
+    /// Index of the instance's record in daa_ray_top.
     record: u32,
-    /// Where the triangle's lies in daa_ray_geometry.
+    /// Index of the triangle in daa_ray_geometry.
     corners: u32,
 }
 
 const DAA_MISS: u32 = 0xffffffffu;
 
-/// Of an instance's flags: `daa_ray_solid` is asked.
+/// A flag of an instance: `daa_ray_solid` is called for its hits.
 const DAA_RAY_MASKED: u32 = 1u;
 
-/// Where a triangle's interpolated uv is.
+/// The interpolated uv of a hit. `attributes` are the indices of its vertices' attributes.
 fn daa_ray_uv(attributes: vec3u, barycentrics: vec2f) -> vec2f {
     let a = bitcast<vec2f>(daa_ray_geometry[attributes.x].zw);
     let b = bitcast<vec2f>(daa_ray_geometry[attributes.y].zw);

@@ -1,21 +1,21 @@
-// trace: from the samples that will be shaded, rays towards the lights that cast shadows. Joined with casting.wgsl, rays.wgsl and
-// the chunk of a tier. CPU twin: src/reference/rays/trace.rs.
+// trace: traces shadow rays from the samples that will be shaded. CPU twin: src/reference/rays/trace.rs.
 
-/// The shadow bits of all samples, rank by rank. Where they are kept, the rays of each behind them, likewise.
+/// The shadow bits of all samples, rank by rank. If the rays of each sample are recorded, their numbers follow in the
+/// same layout.
 @group(3) @binding(5) var<storage, read_write> daa_shadows: array<u32>;
 
 var<workgroup> daa_group_rays: array<u32, 64>;
 
-/// The sky gets its bits, too.
+/// All points are written, those of the sky, too.
 fn daa_wants(point: DaaPoint) -> bool {
     return true;
 }
 
-/// All are written.
+/// All points are written, so none needs an initial value.
 fn daa_begin(index: u32) {}
 
-/// Whether rays could tell the samples of a window apart: it holds two surfaces, or the first samples of the windows around it
-/// differ in shadow or identity.
+/// Whether the shadow bits of a window's samples may differ: the window has two surfaces, or the first samples of the
+/// windows around it differ in shadow or identity.
 fn daa_worth_tracing(pixel: vec2u) -> bool {
     let identity = textureLoad(daa_gbuffer_surface, pixel * DAA_M + daa_order(0u), 0).y;
     for (var rank = 1u; rank < daa_frame.reconstruct.samples; rank++) {
@@ -38,7 +38,7 @@ fn daa_worth_tracing(pixel: vec2u) -> bool {
 @compute @workgroup_size(64)
 fn daa_trace_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
     let ranks = daa_ranks(group.xy, lane, DAA_TILES_SURFACE);
-    // Where geometric samples are not worth rays, all have the bits of the first, which is traced.
+    // Otherwise all geometric samples take the bits of the first sample, which is traced.
     var traces = true;
     if daa_casting.samples == DAA_SAMPLES_GEOMETRIC && !daa_flag(DAA_FLAG_TRACE_ALL) && ranks.end > 0u {
         traces = daa_worth_tracing(ranks.pixel);
@@ -61,7 +61,7 @@ fn daa_trace_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation
         if caster.inside {
             daa_shadows[daa_sample_index(caster.pixel, caster.rank)] = bits.x;
             if daa_casting.keeps != 0u {
-                // A sample may be cast for at a lattice's point and by the plan.
+                // A sample may cast rays twice, as the point of a lattice and by the plan, so its rays are added up.
                 daa_shadows[daa_sample_index(caster.pixel, DAA_M * DAA_M + caster.rank)] += bits.y;
             }
         }

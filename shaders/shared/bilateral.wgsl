@@ -1,11 +1,11 @@
-// How much one sample speaks for another: the bilateral weight of subpixel reconstruction (Chajdas, McGuire, Luebke 2011; WSCG 2012,
+// The bilateral weight between two samples in subpixel reconstruction (Chajdas, McGuire, Luebke 2011; WSCG 2012,
 // section 3.1). CPU twin: `weight` of src/reference/reconstruct.rs.
 
-/// What the weights look at.
+/// The attributes of a sample that the weight depends on.
 struct DaaGeometry {
-    /// From the camera.
+    /// Position relative to the camera.
     position: vec3f,
-    /// Along the view; 0 for the sky.
+    /// Depth along the view direction; 0 for the sky.
     depth: f32,
     normal: vec3f,
     identity: u32,
@@ -18,7 +18,7 @@ fn daa_geometry(pixel: vec2u, rank: u32) -> DaaGeometry {
     return daa_geometry_of(pixel, rank, daa_depth_at(at), surface);
 }
 
-/// By what the G-buffer holds there: depth, and the code of the normal and the identity.
+/// The geometry of a sample whose depth and surface target are already read.
 fn daa_geometry_of(pixel: vec2u, rank: u32, d: f32, surface: vec2u) -> DaaGeometry {
     let at = pixel * DAA_M + daa_order(rank);
     let valid = d > DAA_SKY_DEPTH;
@@ -28,7 +28,7 @@ fn daa_geometry_of(pixel: vec2u, rank: u32, d: f32, surface: vec2u) -> DaaGeomet
     return DaaGeometry(position, depth, normal, surface.y, select(0u, daa_shadow_bits(pixel, rank), valid));
 }
 
-/// How much a shaded sample j speaks for a geometric sample i, 0 to 1.
+/// The weight of a shaded sample j for a geometric sample i, 0 to 1.
 fn daa_reconstruct_weight(i: DaaGeometry, j: DaaGeometry) -> f32 {
     if i.depth == 0.0 || j.depth == 0.0 {
         return f32(i.depth == j.depth);
@@ -36,12 +36,12 @@ fn daa_reconstruct_weight(i: DaaGeometry, j: DaaGeometry) -> f32 {
     if (daa_flag(DAA_FLAG_CUT_IDENTITY) && i.identity != j.identity) || (daa_flag(DAA_FLAG_CUT_SHADOW) && i.shadow != j.shadow) {
         return 0.0;
     }
-    // The paper's: depths over the sample's own, G(σz (zj − zi)), and G(σn (1 − sat(nj · ni))).
+    // As in the paper, G(σz (zj − zi)) and G(σn (1 − sat(nj · ni))), with depths relative to the sample's own.
     var apart = (j.depth - i.depth) / i.depth;
     var bent = 1.0 - clamp(dot(i.normal, j.normal), 0.0, 1.0);
     if daa_flag(DAA_FLAG_PLANES) {
-        // The sine of the angle at which j rises from i's plane: 0 on one plane, however slanted, at any scale. The chord
-        // between the normals.
+        // The sine of the angle at which j rises from i's plane, which is 0 on one plane however slanted it is, and the
+        // chord between the normals.
         let way = j.position - i.position;
         apart = dot(way, i.normal) * inverseSqrt(max(dot(way, way), 1e-30));
         let chord = j.normal - i.normal;

@@ -1,8 +1,8 @@
-// Radiance about as a display shows it: x/(1+x) of what is exposed, and a square root. Needs frame.wgsl.
+// An approximation of the displayed value of radiance: x/(1+x) of the exposed radiance, and a square root.
 
-/// As metrics see it: exposed, and on request as a display shows it.
+/// Radiance as the metrics see it: exposed, and on the display curve if the settings ask for it.
 fn daa_shown(c: vec3f) -> vec3f {
-    // The product may be infinite, and ∞/∞ is no number.
+    // The product may be infinite, and ∞/∞ is NaN.
     let l = min(c * daa_frame.exposure, vec3f(1e30));
     return select(l, sqrt(l / (1.0 + l)), daa_flag(DAA_FLAG_LUMINANCE_PERCEPTUAL));
 }

@@ -1,9 +1,10 @@
-// One sample from G-buffer to clean radiance: what `first` and `shade` share. The join makes `daa_call_hook` and
-// `daa_call_sky` from the host's functions.
+// Shades one sample of the G-buffer with the host's functions, which are called through the generated `daa_call_hook`
+// and `daa_call_sky`.
 
-/// A sample of a window of which k are shaded. It stands for n/k samples, so its texture footprint is √(n/k) of its own
-/// (Holländer et al. 2013, section 4.1, which leaves the formula out), times a setting, and never less than its own. On
-/// request the lookup moves along the surface, so that the k footprints together are centred on the pixel.
+/// Shades a sample of a window in which k samples are shaded. It stands for n/k samples, so its texture footprint is
+/// √(n/k) times its own (Holländer et al. 2013, section 4.1, which leaves the formula out), times a setting, and never
+/// smaller than its own. On request the texture lookup is shifted so that the k footprints together are centred on the
+/// pixel.
 fn daa_shade_sample(pixel: vec2u, rank: u32, k: u32) -> vec4f {
     let footprint = max(f32(DAA_M) * inverseSqrt(f32(k)) * daa_frame.footprint, 1.0);
     let pair = daa_frame.centres[(k - 1u) >> 1u];

@@ -1,37 +1,37 @@
-// The frame's constants, and where pixels and tiles lie in buffers. Rust has the same structs in src/gpu/uniforms/frame.rs and the
-// files of the techniques; a test holds them together.
+// The frame's constants, and the indices of pixels and tiles in buffers. src/gpu/uniforms/frame.rs and the files of the
+// techniques have the same structs in Rust; a test compares their layouts.
 
-/// `Windowed`'s metrics: 0 switches one off.
+/// The metrics of `Windowed`. A scale of 0 switches a metric off.
 struct DaaWindowed {
     depth_scale: f32,
     normal_scale: f32,
     luminance_scale: f32,
-    /// Luminance ranges below are not an edge.
+    /// Luminance range below which there is no edge.
     luminance_min: f32,
-    /// Luminance ranges below this share of the greatest luminance are not an edge.
+    /// Share of the greatest luminance; a luminance range below it is no edge.
     luminance_edge: f32,
-    /// k of a window that holds more than one material or object.
+    /// The k of a window with more than one material or object.
     identity_samples: f32,
-    /// k of a window whose shadow bits differ from a neighbour's.
+    /// The k of a window whose shadow bits differ from a neighbour's.
     shadow_samples: f32,
     padding: u32,
 }
 
-/// Which tiles are audited.
+/// The choice of the audited tiles.
 struct DaaAudit {
-    /// One tile in so many.
+    /// Number of tiles of which one is audited.
     period: u32,
-    /// Which of them.
+    /// Index of the audited tile within a period.
     phase: u32,
-    /// How far below the present effort the audit looks ahead, log2.
+    /// Step of effort, log2, below the frame's effort at which the error is also measured.
     step: f32,
-    /// What least_samples would be there.
+    /// The setting `least_samples` at that lower effort.
     least_samples: f32,
 }
 
-/// `Reconstructed`'s filter, which the lattices of `MultiResolution` use too.
+/// The filter of `Reconstructed`, which the lattices of `MultiResolution` use, too.
 struct DaaReconstruct {
-    /// The first so many ranks are geometric samples.
+    /// Number of geometric samples of a window: the first ranks.
     samples: u32,
     /// σ of depth.
     depth_scale: f32,
@@ -39,64 +39,64 @@ struct DaaReconstruct {
     normal_scale: f32,
     /// Samples per unit of luminance range.
     contrast_scale: f32,
-    /// Luminance ranges below are no contrast.
+    /// Luminance range below which there is no contrast.
     contrast_min: f32,
-    /// A sample whose weights sum to less is shaded.
+    /// Sum of weights below which a sample is shaded.
     least_weight: f32,
     padding: vec2u,
 }
 
-/// `Selective`'s thresholds; above 1: off.
+/// The thresholds of `Selective`. A threshold above 1 is off.
 struct DaaSelective {
-    /// For objects, normals, shadow and textures.
+    /// Thresholds for objects, normals, shadows and textures.
     primary: vec4f,
-    /// For those of what is reflected and refracted.
+    /// The same thresholds for reflected and refracted surfaces.
     secondary: vec4f,
-    /// For colours where nothing else disagrees.
+    /// Threshold for colour where no attribute disagrees.
     color: f32,
-    /// Differences of colour below are none.
+    /// Difference of colour below which there is no contrast.
     contrast_min: f32,
-    /// Normals differ if the cosine between them is less.
+    /// Cosine of the angle between two normals below which they differ.
     normal_cosine: f32,
-    /// Samples of a window's quadrants together.
+    /// Number of samples in the four quadrants of a window together.
     samples: u32,
 }
 
-/// `MultiResolution`'s thresholds.
+/// The thresholds of `MultiResolution`.
 struct DaaMultiResolution {
-    /// A point is refined where its colour departs from its neighbours' by more.
+    /// Residual of colour above which a point's neighbourhood is refined.
     color: f32,
-    /// A point is refined where its position does, over its distance.
+    /// Residual of position, over the distance to the camera, above which a point's neighbourhood is refined.
     position: f32,
     padding: vec2u,
 }
 
 struct DaaFrame {
-    /// Position relative to the camera, from clip space (reversed z: near 1, far 0).
+    /// Transform from clip space (reversed z: near 1, far 0) to positions relative to the camera.
     relative_from_clip: mat4x4f,
-    /// World space.
+    /// Position of the camera in world space.
     camera_position: vec3f,
-    /// Radiance × exposure is what the metrics and the tonemap weight see.
+    /// Factor on radiance for the metrics and the luminance weight.
     exposure: f32,
-    /// Unit vector along the view, world space.
+    /// Unit view direction in world space.
     camera_forward: vec3f,
-    /// 1 if all view directions are parallel, else 0.
+    /// 1 if all view directions are parallel, otherwise 0.
     orthographic: u32,
-    /// Pixels of the output.
+    /// Size of the output in pixels.
     size: vec2u,
-    /// Tiles of 8 × 8 pixels along x.
+    /// Number of tiles of 8 × 8 pixels along x.
     tiles_x: u32,
-    /// Bits of DAA_FLAG_*.
+    /// Set of DAA_FLAG_* bits.
     flags: u32,
-    /// Texture footprint of a shaded sample over that of the samples that it stands for.
+    /// Scale of the texture footprint of shaded samples.
     footprint: f32,
     /// The least k of a window that is not all sky.
     least_samples: f32,
-    /// Tiles that want more than this many samples beyond the first fall back to k = 1.
+    /// Number of samples beyond the first; a tile that asks for more falls back to k = 1.
     tile_limit: u32,
-    /// Lights whose shadows the frame traces.
+    /// Number of lights whose shadows are traced.
     casting: u32,
-    /// What the debug view shows: `DebugView as u32`.
+    /// The debug view: `DebugView as u32`.
     view: u32,
     padding: u32,
     padding_too: vec2u,
@@ -105,9 +105,10 @@ struct DaaFrame {
     reconstruct: DaaReconstruct,
     selective: DaaSelective,
     multi_resolution: DaaMultiResolution,
-    /// Rank → place in the window, x | y << 4 | quadrants << 8 (a bit each), four to a vector; and y m + x → rank << 16.
+    /// Rank → position in the window: x | y << 4 | quadrants << 8 (a bit each), four ranks to a vector. And y m + x →
+    /// rank << 16.
     order: array<vec4u, 16>,
-    /// k − 1 → from the mean place of the first k samples to the window's centre, in samples; two to a vector.
+    /// k − 1 → offset from the mean position of the first k samples to the window's centre in samples, two to a vector.
     centres: array<vec4f, 32>,
 }
 
@@ -144,28 +145,28 @@ fn daa_flag(bits: u32) -> bool {
     return (daa_frame.flags & bits) != 0u;
 }
 
-/// Tiles of 8 × 8 pixels in the frame.
+/// The number of tiles in the frame.
 fn daa_tile_count() -> u32 {
     return daa_frame.tiles_x * ((daa_frame.size.y + 7u) >> 3u);
 }
 
-/// A tile's place among all, row by row.
+/// The index of a tile, row by row.
 fn daa_tile_index(tile: vec2u) -> u32 {
     return tile.y * daa_frame.tiles_x + tile.x;
 }
 
-/// A pixel's place in buffers that hold a word for each pixel of each tile, tile by tile.
+/// The index of a pixel in buffers with a word for each pixel of each tile, tile by tile.
 fn daa_slot(pixel: vec2u) -> u32 {
     return daa_tile_index(pixel >> vec2u(3u)) * 64u + (pixel.y & 7u) * 8u + (pixel.x & 7u);
 }
 
-/// The pixel of a slot.
+/// The pixel of such an index.
 fn daa_slot_pixel(slot: u32) -> vec2u {
     let tile = slot / 64u;
     return vec2u(tile % daa_frame.tiles_x, tile / daa_frame.tiles_x) * 8u + vec2u(slot & 7u, (slot >> 3u) & 7u);
 }
 
-/// A lane's pixel in a tile that a workgroup of 64 has.
+/// The pixel of a lane in a workgroup of 64 that covers a tile.
 fn daa_tile_pixel(tile: vec2u, lane: u32) -> vec2u {
     return tile * 8u + vec2u(lane & 7u, lane >> 3u);
 }

@@ -1,4 +1,4 @@
-// One triangle that covers the target. Knows no bindings.
+// One triangle that covers the target. Declares no bindings.
 
 @vertex
 fn daa_fullscreen_vertex(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {

@@ -1,12 +1,13 @@
-// Weighted means of shaded samples, and what may enter them. Knows no bindings.
+// Weighted means of shaded samples, and the clean-up of samples before they enter a mean. Declares no bindings.
 
-/// What a shaded sample was, for the statistics.
+/// The state of a shaded sample before its clean-up, for the statistics.
 const DAA_GOOD: u32 = 0u;
 const DAA_NOT_FINITE: u32 = 1u;
 const DAA_NEGATIVE: u32 = 2u;
 
-/// A sample fit for a mean: NaN and infinity become black and opaque, negative radiance 0, and 1e30 is the ceiling,
-/// so that a sum of 64 stays finite. Bits, not comparisons: a compiler may assume that NaN never occurs.
+/// A sample after its clean-up: NaN and infinity become opaque black, negative components become 0, and values are
+/// limited to 1e30, so that a sum of 64 stays finite. NaN is recognised by its bits, since a compiler may assume that
+/// it never occurs.
 struct DaaClean {
     color: vec4f,
     what: u32,
@@ -30,7 +31,7 @@ struct DaaMean {
 /// The weight of a sample: 1, or 1/(1 + luminance) against fireflies (Karis 2014, "High Quality Temporal
 /// Supersampling", slide 19).
 fn daa_weight(c: vec4f, by_luminance: bool, exposure: f32) -> f32 {
-    // The product of two finite numbers may be infinite, and all weights 0 then.
+    // The product may be infinite, and all weights would be 0.
     return select(1.0, 1.0 / (1.0 + min(daa_luminance(c.rgb) * exposure, 1e30)), by_luminance);
 }
 

@@ -1,8 +1,13 @@
-// The word that the plan has for each pixel, and the counts before it. `PlanWord` of src/host/plan.rs reads the same.
+// The word of a pixel in the plan and in the counts that the plan is made from. `PlanWord` of src/host/plan.rs has
+// the same accessors.
 //
-// bits 0 to 7: k. Bits 8 to 11: what decided it, DAA_BY_*; of `Selective` what the threshold of the first active quadrant is for,
-// from 1. Bits 12 to 14: the lattice that the pixel's point was chosen on, and bit 15: that it was shaded. Bits 16 to 31: of a plan
-// the samples of the tile before this window's; of `Selective` the active quadrants, a bit each; of counts what was wanted.
+// - Bits 0 to 7: k.
+// - Bits 8 to 11: the reason for k, DAA_BY_*. With `Selective`: the attribute whose threshold applies to the first
+//   active quadrant, counted from 1.
+// - Bits 12 to 14: the lattice that the pixel's point was chosen on.
+// - Bit 15: whether the pixel's point was shaded.
+// - Bits 16 to 31: in a plan, the number of the tile's samples before this window's; with `Selective`, the active
+//   quadrants, a bit each; in counts, the k that was wanted (`daa_wanted_code`).
 
 const DAA_BY_NOTHING: u32 = 0u;
 const DAA_BY_DEPTH: u32 = 1u;
@@ -16,7 +21,7 @@ fn daa_plan_word(k: u32, reason: u32, rest: u32) -> u32 {
     return k | (reason << 8u) | (rest << 16u);
 }
 
-/// What decided k, with the lattice of its point.
+/// The reason for k together with the lattice of the pixel's point.
 fn daa_lattice_reason(by: u32, level: u32, own: u32) -> u32 {
     return by | (level << 4u) | (own << 7u);
 }
@@ -25,12 +30,12 @@ fn daa_plan_k(word: u32) -> u32 {
     return word & 0xffu;
 }
 
-/// What decided k, and all that stands beside it.
+/// The reason for k together with the lattice.
 fn daa_plan_reason(word: u32) -> u32 {
     return (word >> 8u) & 0xffu;
 }
 
-/// What decided k.
+/// The reason for k alone.
 fn daa_plan_by(word: u32) -> u32 {
     return (word >> 8u) & 15u;
 }
@@ -40,22 +45,23 @@ fn daa_plan_level(word: u32) -> u32 {
     return (word >> 12u) & 7u;
 }
 
-/// Whether the pixel's point was shaded, and not interpolated.
+/// Whether the pixel's point was shaded instead of interpolated.
 fn daa_plan_own(word: u32) -> bool {
     return (word & 0x8000u) != 0u;
 }
 
-/// Samples of the tile, beyond first ones, before this window's.
+/// The number of the tile's samples, without first ones, before this window's.
 fn daa_plan_before(word: u32) -> u32 {
     return word >> 16u;
 }
 
-/// Active quadrants, a bit each.
+/// The active quadrants, a bit each.
 fn daa_plan_quadrants(word: u32) -> u32 {
     return (word >> 16u) & 15u;
 }
 
-/// Of counts: what was wanted before n cut it, on a log scale of 16 bits, since the audit asks what less effort would make of it.
+/// For counts: the k that was wanted, before it was limited to n, as 16 bits on a log scale. The audit computes from it
+/// the k at a lower effort.
 fn daa_wanted_code(k: f32) -> u32 {
     return u32(clamp(log2(k), 0.0, 31.0) * 2048.0);
 }

@@ -1,4 +1,4 @@
-// Sets of a window's ranks: 64 bits. Knows no bindings.
+// Sets of the ranks of a window, as 64 bits. Declares no bindings.
 
 fn daa_with(ranks: vec2u, rank: u32) -> vec2u {
     let bit = 1u << (rank & 31u);

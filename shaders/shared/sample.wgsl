@@ -1,56 +1,59 @@
-// Reads the G-buffer and makes the DaaSample of a pixel and a rank.
+// Reads the G-buffer into the `DaaSample` of a pixel and a rank.
 
-// Not `texture_depth_2d`, which GLSL can't load from.
+// GLSL can't load from `texture_depth_2d`.
 @group(0) @binding(1) var daa_gbuffer_depth: texture_2d<f32>;
 @group(0) @binding(2) var daa_gbuffer_surface: texture_2d<u32>;
 @group(0) @binding(3) var daa_gbuffer_frame: texture_2d<u32>;
 @group(0) @binding(4) var daa_gbuffer_uv: texture_2d<u32>;
 
-/// Depths below are the sky. Above every denormal, so that flushing them changes nothing.
+/// Depths below this are the sky. It lies above every denormal, so that flushing denormals to 0 changes nothing.
 const DAA_SKY_DEPTH: f32 = 1e-30;
 
-/// Of the sample there: 1 near, 0 far.
+/// The depth of the sample there: 1 is near, 0 far.
 fn daa_depth_at(at: vec2u) -> f32 {
     return textureLoad(daa_gbuffer_depth, at, 0).x;
 }
 
-/// A sample's place among all, rank by rank and tile by tile.
+/// The index of a sample among all samples, rank by rank and tile by tile.
 fn daa_sample_index(pixel: vec2u, rank: u32) -> u32 {
     return rank * daa_tile_count() * 64u + daa_slot(pixel);
 }
 
-/// The audited tile of a workgroup; rows are shifted by 11, so that no column is left out for long. x may lie beyond the row.
+/// The audited tile of a workgroup. Each row is shifted by 11 against the last, so that no column is left out for long.
+/// x may lie beyond the end of the row.
 fn daa_audited_tile(group: vec2u) -> vec2u {
     let period = daa_frame.audit.period;
     let phase = (daa_frame.audit.phase + 11u * (period - group.y % period)) % period;
     return vec2u(group.x * period + phase, group.y);
 }
 
-/// A rank's place in its window.
+/// The position of a rank in its window.
 fn daa_order(rank: u32) -> vec2u {
     let code = daa_frame.order[rank >> 2u][rank & 3u];
     return vec2u(code & 15u, (code >> 4u) & 15u);
 }
 
-/// The quadrants of its window whose sample a rank is, a bit each.
+/// The quadrants of the window that use the sample of a rank, a bit each.
 fn daa_quadrants(rank: u32) -> u32 {
     return (daa_frame.order[rank >> 2u][rank & 3u] >> 8u) & 15u;
 }
 
-/// The rank of a place.
+/// The rank of a position in the window.
 fn daa_rank_at(place: vec2u) -> u32 {
     let i = place.y * DAA_M + place.x;
     return daa_frame.order[i >> 2u][i & 3u] >> 16u;
 }
 
-/// From the camera to the point under G-buffer coordinates `xy` (in samples, y down) at depth `d`.
+/// The position, relative to the camera, of the point at the G-buffer coordinates `xy` (in samples, y down) and depth
+/// `d`.
 fn daa_relative_position(xy: vec2f, d: f32) -> vec3f {
     let ndc = xy / vec2f(daa_frame.size * DAA_M) * vec2f(2.0, -2.0) + vec2f(-1.0, 1.0);
     let p = daa_frame.relative_from_clip * vec4f(ndc, d, 1.0);
     return p.xyz / p.w;
 }
 
-/// `footprint` scales the uv gradients; `offset` moves the texture lookup along the surface, in samples.
+/// Reads a sample. `footprint` scales the uv gradients; `offset` shifts the texture lookup along the surface, in
+/// samples.
 fn daa_fetch(pixel: vec2u, rank: u32, footprint: f32, offset: vec2f) -> DaaSample {
     let at = pixel * DAA_M + daa_order(rank);
     let surface = textureLoad(daa_gbuffer_surface, at, 0).xy;
@@ -62,7 +65,7 @@ fn daa_fetch(pixel: vec2u, rank: u32, footprint: f32, offset: vec2f) -> DaaSampl
     var s: DaaSample;
     s.pixel = pixel;
     s.rank = rank;
-    // The sky has no distance: its direction is that of the near plane.
+    // The sky has no distance, so its direction is taken from the near plane.
     let relative = daa_relative_position(vec2f(at) + 0.5, select(1.0, d, valid));
     let towards = select(-relative, -daa_frame.camera_forward, daa_frame.orthographic != 0u);
     s.view = towards * inverseSqrt(max(dot(towards, towards), 1e-30));
@@ -80,7 +83,7 @@ fn daa_fetch(pixel: vec2u, rank: u32, footprint: f32, offset: vec2f) -> DaaSampl
     s.uv = bitcast<vec2f>(uv.xy) + ddx * offset.x + ddy * offset.y;
     s.ddx = ddx * footprint;
     s.ddy = ddy * footprint;
-    // Tiles of nothing but sky are not traced.
+    // Tiles with nothing but sky are not traced, and hold no bits.
     s.shadow = select(0u, daa_shadow_bits(pixel, rank), valid);
     let code = daa_secondary_code(pixel, rank);
     let apart = daa_flag(DAA_FLAG_SECONDARY_APART);

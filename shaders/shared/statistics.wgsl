@@ -1,27 +1,28 @@
-// Counters that the passes add to. Integers, so that the order of the additions cannot show.
+// The counters that the passes add to. They are integers, so that the sums do not depend on the order.
 
 struct DaaStatistics {
-    /// Windows with k = index + 1.
+    /// Number of windows with k = index + 1.
     histogram: array<atomic<u32>, 64>,
-    /// Samples that the host's code returned with NaN or infinity.
+    /// Number of samples for which the host's code returned NaN or infinity.
     not_finite: atomic<u32>,
-    /// Samples that the host's code returned with a negative component.
+    /// Number of samples for which the host's code returned a negative component.
     negative: atomic<u32>,
-    /// Tiles that wanted more samples than the limit and fell back to k = 1.
+    /// Number of tiles that asked for more samples than the limit and fell back to k = 1.
     overflowed_tiles: atomic<u32>,
-    /// Windows whose k was decided by: nothing, depth, normal, luminance, identity, the least allowed, shadow.
+    /// Number of windows by the reason for their k: nothing, depth, normal, luminance, identity, the least allowed,
+    /// shadow.
     decided: array<atomic<u32>, 7>,
-    /// Rays towards lights.
+    /// Number of shadow rays.
     shadow_rays: atomic<u32>,
-    /// Rays from mirrors.
+    /// Number of mirrored rays.
     reflection_rays: atomic<u32>,
-    /// Rays into what is transparent.
+    /// Number of refracted rays.
     refraction_rays: atomic<u32>,
-    /// Tiles with a surface, and with one that sends rays.
+    /// Number of tiles with a surface, and with a surface that sends rays.
     tiles: array<atomic<u32>, 2>,
-    /// Active quadrants by what their threshold is for: colour, then object, normal, shadow, texture, then these of what is reflected
-    /// and refracted.
+    /// Number of active quadrants by the attribute of their threshold: colour; object, normal, shadow and texture; and
+    /// those of reflected and refracted surfaces.
     quadrants: array<atomic<u32>, 9>,
-    /// Points of lattices that were shaded, by `Level` of src/gpu/uniforms/lattice.rs.
+    /// Number of shaded points by lattice: `Level` of src/gpu/uniforms/lattice.rs.
     points: array<atomic<u32>, 5>,
 }

@@ -1,4 +1,4 @@
-// The values of a lattice of shaded points.
+// The values of a lattice whose points are shaded: their colours.
 
 @group(3) @binding(0) var<uniform> daa_step: DaaStep;
 @group(3) @binding(1) var<storage, read_write> daa_points: array<vec4u>;
@@ -8,7 +8,7 @@ fn daa_value(index: u32, point: DaaPoint) -> vec4f {
     return daa_lattice_colors[index];
 }
 
-/// Shadows have been found before; they veto, but are not judged.
+/// The shadow bits were traced before. They can veto interpolation, but are not compared as values.
 fn daa_bits(index: u32) -> u32 {
     return 0u;
 }
@@ -21,10 +21,10 @@ fn daa_put(index: u32, point: DaaPoint, value: vec4f, bits: u32) {
     daa_lattice_colors[index] = value;
 }
 
-/// A point of the coarser lattice that is one of the finer too.
+/// Copies the value of a coarser point to the same point of the finer lattice.
 fn daa_keep(index: u32, coarser: u32) {
     daa_lattice_colors[index] = daa_lattice_colors[coarser];
 }
 
-/// Its colour is to come.
+/// `points` writes the colour later.
 fn daa_leave(index: u32) {}

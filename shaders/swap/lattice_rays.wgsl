@@ -1,11 +1,12 @@
-// The values of a lattice of points that cast rays: beside the points, and for those in the image where those of all samples are.
+// The values of a lattice whose points cast rays: shadow bits, and reflected and refracted radiance. They are stored
+// with the points, and for points in the image also among the ray results of all samples.
 
 @group(3) @binding(0) var<uniform> daa_step: DaaStep;
 @group(3) @binding(1) var<storage, read_write> daa_points: array<vec4u>;
 @group(3) @binding(2) var<storage, read_write> daa_shadows: array<u32>;
 @group(3) @binding(3) var<storage, read_write> daa_secondary: array<u32>;
 
-/// What is reflected and refracted, and 1 if anything was traced for it.
+/// The reflected and refracted radiance, with 1 in w if anything was traced.
 fn daa_value(index: u32, point: DaaPoint) -> vec4f {
     if (daa_step.rays & 2u) == 0u {
         return vec4f(0.0);
@@ -37,12 +38,12 @@ fn daa_put(index: u32, point: DaaPoint, value: vec4f, bits: u32) {
     }
 }
 
-/// A point of the coarser lattice that is one of the finer too.
+/// Copies the value of a coarser point to the same point of the finer lattice.
 fn daa_keep(index: u32, coarser: u32) {
     daa_points[index + daa_step.found] = daa_points[coarser + daa_step.found];
 }
 
-/// Until its rays are cast.
+/// `trace` and `bounce` write the value later.
 fn daa_leave(index: u32) {
     daa_points[index + daa_step.found] = vec4u(0u);
 }

@@ -1,9 +1,9 @@
-// rays_query: traversal by the adapter's ray query. The functions of rays_software.wgsl.
-// Joined with rays.wgsl; the module declares daa_ray_tlas, daa_ray_geometry, daa_ray_top and daa_ray_solid.
+// rays_query: traversal by the adapter's ray query, with the functions of rays_software.wgsl. The module must declare
+// daa_ray_tlas, daa_ray_geometry, daa_ray_top and daa_ray_solid.
 
-/// Vec4s of an instance.
+/// The number of vec4s of an instance.
 const DAA_RAY_RECORD: u32 = 5u;
-/// Bits of RayDesc::flags.
+/// Bits of `RayDesc::flags`.
 const DAA_RAY_FORCE_NO_OPAQUE: u32 = 2u;
 const DAA_RAY_TERMINATE_ON_FIRST_HIT: u32 = 4u;
 
@@ -13,9 +13,10 @@ fn daa_trace(ray: DaaRay, any: bool, through: u32) -> DaaHit {
     if daa_ray_top[0].y == 0u {
         return hit;
     }
-    // Only triangles that are not opaque are asked about.
+    // The loop below only sees triangles that are not opaque, so these are forced where a surface may be passed
+    // through.
     let flags = select(0u, DAA_RAY_TERMINATE_ON_FIRST_HIT, any) | select(0u, DAA_RAY_FORCE_NO_OPAQUE, through != DAA_MISS);
-    // A top level of the host's own lies in the world.
+    // A top level of the host's own is in world space.
     let origin = ray.origin + bitcast<vec3f>(daa_ray_top[1].xyz);
     var query: ray_query;
     rayQueryInitialize(&query, daa_ray_tlas, RayDesc(flags, 0xffu, ray.t_min, ray.t_max, origin, ray.direction));

@@ -1,28 +1,29 @@
-// rays_software: traversal without hardware. Two levels of eight-way compressed nodes (Ylitie, Karras, Laine 2017, in obvhs's
-// layout), boxes tested with room for rounding (Ize 2013), triangles watertight (Woop, Benthin, Wald 2013).
-// Joined with rays.wgsl; the module declares daa_ray_nodes, daa_ray_geometry, daa_ray_top and daa_ray_solid.
-// CPU twin: src/reference/rays.rs, by brute force.
+// rays_software: traversal in WGSL, without ray tracing hardware. It uses two levels of eight-way compressed nodes
+// (Ylitie, Karras, Laine 2017, in the layout of obvhs), box tests with a margin for rounding (Ize 2013), and a
+// watertight triangle test (Woop, Benthin, Wald 2013). The module must declare daa_ray_nodes, daa_ray_geometry,
+// daa_ray_top and daa_ray_solid. CPU twin: src/reference/rays.rs, by brute force.
 
-/// Of each level at most one group waits, of an instance that is entered two more: see src/rays/mesh.rs.
+/// The size of the traversal stack. At most one group waits for each level, and two more for an entered instance: see
+/// src/rays/mesh.rs.
 const DAA_RAY_STACK: u32 = 60u;
-/// A group that holds the root alone.
+/// A group with the root as its only node.
 const DAA_RAY_ROOT: u32 = 0x80000000u;
-/// Vec4s of a node and of an instance.
+/// The number of vec4s of a node and of an instance.
 const DAA_RAY_RECORD: u32 = 5u;
 
-/// A ray in a space of nodes.
+/// A ray in the space of a tree's nodes.
 struct DaaRaySpace {
     origin: vec3f,
     direction: vec3f,
-    /// 1 / direction, finite.
+    /// 1 / direction, always finite.
     inverse: vec3f,
-    /// Bit 2, 1, 0: x, y, z do not fall along the ray.
+    /// Bits 2, 1 and 0: whether x, y and z do not decrease along the ray.
     octant: u32,
 }
 
 fn daa_ray_space(origin: vec3f, direction: vec3f) -> DaaRaySpace {
     let a = abs(direction);
-    // An axis along which the ray does not move gets a great reciprocal, so that no 0 · ∞ comes up.
+    // An axis along which the ray does not move gets a large reciprocal, so that 0 · ∞ does not occur.
     let least = max(max(max(a.x, a.y), a.z) * 1e-18, 1e-30);
     let d = select(select(vec3f(-least), vec3f(least), direction >= vec3f(0.0)), direction, a > vec3f(least));
     let bits = select(vec3u(0u), vec3u(4u, 2u, 1u), d >= vec3f(0.0));
@@ -33,13 +34,13 @@ fn daa_byte(word: u32, i: u32) -> u32 {
     return (word >> (i * 8u)) & 0xffu;
 }
 
-/// The children of a node that the ray meets before `t_max`: inner ones by bits 24 to 31 in the order in which the ray
-/// meets them, triangles or instances by bits 0 to 23.
+/// The children of a node that the ray meets before `t_max`: inner nodes in bits 24 to 31, in the order in which the
+/// ray meets them, and triangles or instances in bits 0 to 23.
 fn daa_ray_children(s: DaaRaySpace, t_min: f32, t_max: f32, n0: vec4u, n1: vec4u, n2: vec4u, n3: vec4u, n4: vec4u) -> u32 {
     let scale = bitcast<vec3f>(vec3u(n0.w & 0xffu, (n0.w >> 8u) & 0xffu, (n0.w >> 16u) & 0xffu) << vec3u(23u));
     let a = scale * s.inverse;
     let b = (bitcast<vec3f>(n0.xyz) - s.origin) * s.inverse;
-    // Four roundings of the greatest term.
+    // A margin of four roundings of the greatest term.
     let slack = (abs(b) + 255.0 * abs(a)) * 2.4e-7;
     let near_b = b - slack;
     let far_b = b + slack;
@@ -74,7 +75,7 @@ fn daa_ray_children(s: DaaRaySpace, t_min: f32, t_max: f32, n0: vec4u, n1: vec4u
     return hits;
 }
 
-/// The ray's axes for the triangle test: z is the direction's greatest.
+/// The axes of the ray for the triangle test; z is the direction's greatest component.
 struct DaaShear {
     axes: vec3u,
     shear: vec3f,
@@ -98,13 +99,14 @@ fn daa_shear(d: vec3f) -> DaaShear {
     return DaaShear(vec3u(x, y, z), vec3f(d[x] / d[z], d[y] / d[z], 1.0 / d[z]));
 }
 
-/// A vertex from the ray's origin, sheared so that the ray runs along z.
+/// A vertex relative to the ray's origin, sheared so that the ray runs along z.
 fn daa_sheared(s: DaaShear, p: vec3f) -> vec3f {
     return vec3f(p[s.axes.x] - s.shear.x * p[s.axes.z], p[s.axes.y] - s.shear.y * p[s.axes.z], s.shear.z * p[s.axes.z]);
 }
 
-/// Twice the area of the origin, p and q. Always computed from the same one of p and q, so that the triangles on both
-/// sides of an edge see exactly opposite values, whatever the compiler fuses.
+/// Twice the signed area of the triangle of the origin, p and q. The order of p and q in the computation does not
+/// depend on their order in the call, so that the triangles on both sides of an edge get exactly opposite values,
+/// whatever the compiler fuses.
 fn daa_edge(p: vec3f, q: vec3f) -> f32 {
     let swapped = p.x > q.x || (p.x == q.x && p.y > q.y);
     let first = select(p, q, swapped);
@@ -113,8 +115,8 @@ fn daa_edge(p: vec3f, q: vec3f) -> f32 {
     return select(area, -area, swapped);
 }
 
-/// Where the ray hits a triangle: t, weights of the three vertices. t = `t_max` if it does not. Edges and vertices count
-/// as inside, for both of their triangles.
+/// The hit of a ray with a triangle: t, and the weights of the second and the third vertex. t = `t_max` if there is
+/// none. Edges and vertices count as inside, for all triangles that share them.
 struct DaaTriangleHit {
     t: f32,
     barycentrics: vec2f,
@@ -143,8 +145,8 @@ fn daa_triangle(s: DaaShear, t_min: f32, t_max: f32, a: vec3f, b: vec3f, c: vec3
     return DaaTriangleHit(t, vec2f(v, w) / area, area > 0.0);
 }
 
-/// The first hit of the ray; with `any`, whichever comes first in the tree. Triangles of the object `through` that are seen
-/// from behind do not count: DAA_MISS if all do.
+/// The nearest hit of the ray, or with `any` the first that the traversal finds. Back faces of the object `through` are
+/// ignored; with DAA_MISS, none are.
 fn daa_trace(ray: DaaRay, any: bool, through: u32) -> DaaHit {
     var hit = DaaHit(ray.t_max, DAA_MISS, 0u, 0u, vec2f(0.0), 0u, 0u);
     if daa_ray_top[0].y == 0u {
@@ -156,7 +158,8 @@ fn daa_trace(ray: DaaRay, any: bool, through: u32) -> DaaHit {
     var shear: DaaShear;
     var stack: array<vec2u, DAA_RAY_STACK>;
     var height = 0u;
-    // Below this height the stack is the top level's; DAA_MISS while in it.
+    // The height of the stack below which its entries belong to the top level; DAA_MISS while the traversal is in the
+    // top level.
     var entry = DAA_MISS;
     var record = 0u;
     var names: vec4u;
@@ -169,7 +172,7 @@ fn daa_trace(ray: DaaRay, any: bool, through: u32) -> DaaHit {
             leaves.y &= ~(1u << bit);
             let index = leaves.x + bit;
             if entry == DAA_MISS {
-                // Into an instance; what is left of the top level waits.
+                // Enters an instance; the rest of the top level waits on the stack.
                 if nodes.y > 0x00ffffffu {
                     stack[height] = nodes;
                     height += 1u;
@@ -237,7 +240,7 @@ fn daa_trace(ray: DaaRay, any: bool, through: u32) -> DaaHit {
             }
             height -= 1u;
             let group = stack[height];
-            // Of the two that an instance left behind, leaves lie above nodes.
+            // Of the two groups that wait for an instance, leaves lie above nodes.
             if group.y > 0x00ffffffu {
                 nodes = group;
             } else {

@@ -1,6 +1,6 @@
-// Nothing was reflected or refracted.
+// Stands in for secondary.wgsl in frames without reflections and refractions.
 
-/// What is seen alone.
+/// Only the shown surface is compared.
 const DAA_KINDS: u32 = 1u;
 
 fn daa_secondary_code(pixel: vec2u, rank: u32) -> u32 {

@@ -1,4 +1,4 @@
-// What `trace` found, for those who shade.
+// The ray results of `trace`, for the passes that shade.
 
 @group(0) @binding(5) var<storage, read> daa_traced_shadows: array<u32>;
 

@@ -1,5 +1,5 @@
-// The texture table on plain WebGPU limits: one array texture and one sampler for each class of size, format, mips
-// and sampler. A slot is class << 16 | layer. Cases past the classes in use hold a white texel.
+// The texture table within the default WebGPU limits: one array texture and one sampler for each class of size, format,
+// mip count and sampler. A slot is class << 16 | layer. Unused classes have a white texel.
 
 @group(1) @binding(0) var<storage, read> daa_texture_slots: array<u32>;
 @group(1) @binding(1) var daa_texture_0: texture_2d_array<f32>;
@@ -17,8 +17,8 @@
 @group(1) @binding(13) var daa_sampler_5: sampler;
 @group(1) @binding(14) var daa_sampler_6: sampler;
 
-/// Texture `index` of the table at `uv`, filtered over the footprint. Any index and any control flow will do; an
-/// index past the table reads its last entry.
+/// Samples texture `index` of the table at `uv`, filtered over the footprint. It may be called with any index in any
+/// control flow; an index beyond the table reads its last entry.
 fn daa_texture(index: u32, uv: vec2f, ddx: vec2f, ddy: vec2f) -> vec4f {
     let slot = daa_texture_slots[min(index, arrayLength(&daa_texture_slots) - 1u)];
     let layer = slot & 0xffffu;

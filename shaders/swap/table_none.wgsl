@@ -1,1 +1,1 @@
-// No texture table: the host reads its textures itself, or has none.
+// Stands in for the texture table if the host reads its textures itself or has none.

@@ -1,54 +1,56 @@
-//! Settings given as a goal: one number, the effort, is moved until the measurements meet it. See
-//! `Windowed::at_effort` for what it scales.
+//! The controller for a goal in place of fixed settings: it moves one number, the effort, until the measured frames
+//! meet the goal. `Windowed::at_effort` says what the effort scales.
 
 use crate::TILE;
 use crate::gpu::uniforms::audited::Audited;
 use crate::settings::{DebugView, Goal, Settings};
 
-/// The least effort: k = 1 but at the steepest edges.
+/// The least effort: k = 1 except at the steepest edges.
 const LEAST: f32 = -12.0;
-/// The greatest: every window has all of its samples.
+/// The greatest effort: every sample of every window is shaded.
 const MOST: f32 = 8.0;
-/// Efforts closer than this make the same image, more or less.
+/// Efforts that differ by less than this give almost the same image.
 const NEAR: f32 = 1.0 / 32.0;
-/// The greatest step from one effort to a lesser one: metrics scaled by 1/√2.
+/// The greatest step down from one effort to the next: metrics scaled by 1/√2.
 const FAR: f32 = 0.5;
 
-/// How far a node has come with its [`Goal`].
+/// The progress of a node towards its [`Goal`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct GoalProgress {
-    /// Of this frame: its metrics were scaled by 2^effort. -12 is next to nothing, 0 the settings as they stand, 8 every
-    /// sample.
+    /// The effort of this frame: its metrics were scaled by 2^effort. At -12 almost nothing is shaded beyond the first
+    /// samples, at 0 the settings apply as they are, at 8 every sample is shaded.
     pub effort: f32,
-    /// Root mean square error of the displayed image, estimated from the tiles audited so far. For [`Goal::Error`].
+    /// The estimated root mean square error of the displayed image, from the tiles audited so far. Only for
+    /// [`Goal::Error`].
     pub error: Option<f32>,
-    /// The share of the image that the estimate is from: 1 after 32 frames of the same effort, when it is exact on a still
-    /// camera.
+    /// The share of the image that the estimate is based on. It is 1 after 32 frames of the same effort; on a still
+    /// camera the estimate is then exact.
     pub audited: f32,
-    /// Where the search stands.
+    /// The state of the search.
     pub state: GoalState,
 }
 
-/// Where the search for a [`Goal`] stands.
+/// The state of the search for a [`Goal`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
 pub enum GoalState {
-    /// The effort still moves.
+    /// The effort is still moving.
     Seeking,
-    /// The goal is kept, and the effort rests.
+    /// The goal is met, and the effort rests.
     Met,
-    /// It can't be kept: the least effort takes too long, the greatest errs too much, or the device has no timestamps.
+    /// The goal can't be met: the least effort takes too long, the greatest effort has too large an error, or the
+    /// device has no timestamps.
     Missed,
 }
 
-/// What a frame that has arrived says.
+/// The measurements of a frame that has arrived.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Measured<'a> {
     pub effort: f32,
-    /// Of all passes of the node.
+    /// The GPU time of all passes of the node.
     pub milliseconds: Option<f64>,
-    /// Of which tiles, and their summed squared errors: as they are, and with half a step less of effort.
+    /// The audited tiles and their summed squared errors: at the frame's effort, and a step below it.
     pub audits: Option<(Audited, &'a [[f32; 2]])>,
 }
 
@@ -74,8 +76,8 @@ impl Default for Controller {
 }
 
 impl Controller {
-    /// Called before each frame: begins anew where the goal or the size is another, and forgets what it measured where other
-    /// settings are. `scales`: whether the technique can be scaled to a goal.
+    /// Called before each frame. Starts the search anew if the goal or the size has changed, and discards the
+    /// measurements if other settings have. `scales` says whether the technique can be scaled to a goal.
     pub fn follow(&mut self, settings: &Settings, size: [u32; 2], scales: bool) {
         let goal = settings.goal.filter(|_| scales);
         let settings = Settings { goal, view: DebugView::Image, ..*settings };
@@ -93,7 +95,7 @@ impl Controller {
         (self.settings, self.size) = (settings, size);
     }
 
-    /// Of the next frame. `None` without a goal.
+    /// The effort of the next frame, `None` without a goal.
     pub fn effort(&self) -> Option<f32> {
         match &self.search {
             Search::None => None,
@@ -102,7 +104,7 @@ impl Controller {
         }
     }
 
-    /// How far below the present effort the next audit looks ahead.
+    /// The step below the present effort at which the next audit also measures the error.
     pub fn step(&self) -> f32 {
         match &self.search {
             Search::Error(search) => search.step,
@@ -110,7 +112,8 @@ impl Controller {
         }
     }
 
-    /// Takes in a frame. One of another effort than the present one comes too late and says nothing new.
+    /// Learns from a frame. A frame with another effort than the present one is ignored: it was recorded before the
+    /// effort moved.
     pub fn learn(&mut self, measured: &Measured<'_>) {
         if self.effort() != Some(measured.effort) {
             return;
@@ -126,7 +129,7 @@ impl Controller {
         }
     }
 
-    /// Of a frame of that effort.
+    /// The progress, for a frame with this effort.
     pub fn progress(&self, effort: f32) -> Option<GoalProgress> {
         match &self.search {
             Search::None => None,
@@ -144,22 +147,23 @@ impl Controller {
     }
 }
 
-/// From the safe side: begins with every sample and steps down only where an audit has looked first, with ever smaller steps.
+/// A search from the safe side: it starts with every sample shaded, and steps down only to efforts that an audit has
+/// measured first, by ever smaller steps.
 #[derive(Debug)]
 struct ErrorSearch {
-    /// Squared.
+    /// The target, squared.
     target: f64,
     effort: f32,
-    /// How far below the effort the audit looks ahead.
+    /// The step below the effort at which the audit also measures the error.
     step: f32,
     state: GoalState,
     size: [u32; 2],
-    /// Summed squared errors of each tile at this effort, and a step below, where they are known.
+    /// The summed squared errors of each tile at this effort and a step below, where they are known.
     tiles: Vec<Option<[f32; 2]>>,
     known: usize,
 }
 
-/// Mean squared error of a pixel, and twice its standard error over the tiles that are not known yet.
+/// The mean squared error of a pixel, and twice its standard error, from the tiles known so far.
 #[derive(Debug, Clone, Copy)]
 struct Estimate {
     squared: f64,
@@ -167,7 +171,7 @@ struct Estimate {
 }
 
 impl ErrorSearch {
-    /// The least tiles to judge from.
+    /// The least number of tiles to judge from.
     const EVIDENCE: usize = 8;
 
     fn new(error: f32, size: [u32; 2]) -> Self {
@@ -183,7 +187,7 @@ impl ErrorSearch {
         }
     }
 
-    /// Another target or other settings, from where the search stands.
+    /// Continues the search from its present effort, with another target or other settings.
     fn restarted(self, error: f32) -> Self {
         let mut search = Self { target: f64::from(error).powi(2), step: FAR, ..self };
         search.move_to(search.effort);
@@ -194,7 +198,7 @@ impl ErrorSearch {
         let mut moved = false;
         for (tile, &error) in audited.tiles(self.size).zip(errors) {
             let Some(known) = tile.and_then(|t| self.tiles.get_mut(t)) else { continue };
-            // On a still camera the same effort makes the same bits.
+            // On a still camera the same effort gives the same bits.
             moved |= known.is_some_and(|before| before.map(f32::to_bits) != error.map(f32::to_bits));
             self.known += usize::from(known.is_none());
             *known = Some(error);
@@ -205,14 +209,14 @@ impl ErrorSearch {
         self.decide();
     }
 
-    /// The error as it is (0), or a step of effort below (1). By cluster sampling with the finite population correction
-    /// (Cochran, "Sampling Techniques", 1977).
+    /// Estimates the error at the present effort (0) or a step below it (1), by cluster sampling with the finite
+    /// population correction (Cochran, "Sampling Techniques", 1977).
     fn estimate(&self, which: usize) -> Option<Estimate> {
         if self.known == 0 {
             return None;
         }
         let [width, height] = self.size.map(f64::from);
-        // Tiles at the border have fewer pixels: what counts is the mean tile.
+        // Tiles at the border have fewer pixels, so the mean number of pixels in a tile is used.
         let pixels = width * height / self.tiles.len() as f64;
         let known = self.known as f64;
         let of_tiles = || self.tiles.iter().flatten().map(|e| f64::from(e[which]));
@@ -238,10 +242,10 @@ impl ErrorSearch {
                 self.forget();
             }
         }
-        // Between the two, more tiles will tell.
+        // Otherwise the error may lie on either side of the target, and more tiles are needed.
     }
 
-    /// `excess`: log2 of the squared error over the target.
+    /// Raises the effort. `excess` is log2 of the squared error over the target.
     fn step_up(&mut self, excess: f32) {
         if self.effort >= MOST {
             self.state = GoalState::Missed;
@@ -263,29 +267,29 @@ impl ErrorSearch {
     }
 }
 
-/// A bracketed secant search on the logarithm of the time, and then rest: only a time that stays away from the goal moves
-/// it again.
+/// A bracketed secant search on the logarithm of the time. After it has met the goal it rests until times stay away
+/// from the goal.
 #[derive(Debug)]
 struct TimeSearch {
-    /// Milliseconds.
+    /// The target in milliseconds.
     target: f64,
     effort: f32,
     state: GoalState,
-    /// The newest times at this effort, milliseconds.
+    /// The newest times at this effort, in milliseconds.
     times: Vec<f64>,
-    /// The greatest effort, and its time, that was within the target; the least that was not.
+    /// The greatest known effort within the target, with its time; `slow` is the least known effort that exceeds it.
     fast: Option<(f32, f64)>,
     slow: Option<(f32, f64)>,
 }
 
 impl TimeSearch {
-    /// The share of the target that is aimed at.
+    /// The share of the target that the search aims at.
     const AIM: f64 = 0.95;
-    /// Within these shares of the target the search rests.
+    /// The search rests if the time is within these shares of the target.
     const CLOSE: std::ops::RangeInclusive<f64> = 0.9..=1.0;
-    /// At rest, within these nothing moves.
+    /// At rest, the effort does not move while the time is within these shares.
     const HOLD: std::ops::RangeInclusive<f64> = 0.85..=1.04;
-    /// Times to judge by when the search is close or at rest.
+    /// The number of times to judge from when the search is close; `MANY` when it is at rest.
     const FEW: usize = 3;
     const MANY: usize = 9;
 
@@ -307,7 +311,7 @@ impl TimeSearch {
         let share = median / self.target;
         let enough = match self.state {
             GoalState::Met | GoalState::Missed => Self::MANY,
-            // Two are enough to see that it is far off; one may be a hiccup of the machine.
+            // Two times suffice if both are far off; a single one may be an outlier.
             GoalState::Seeking if self.times.iter().all(|t| (t / self.target / Self::AIM).log2().abs() > 0.4) => 2,
             GoalState::Seeking => Self::FEW,
         };
@@ -336,7 +340,7 @@ impl TimeSearch {
         if let (Some(fast), Some(slow)) = (self.fast, self.slow)
             && fast.0 >= slow.0
         {
-            // The older one no longer holds.
+            // The two contradict each other, so the older one is dropped.
             if share <= 1.0 { self.slow = None } else { self.fast = None }
         }
         if Self::CLOSE.contains(&share) || (self.effort >= MOST && share <= 1.0) {
@@ -350,7 +354,7 @@ impl TimeSearch {
         let aim = self.target * Self::AIM;
         let next = match (self.fast, self.slow) {
             (Some(fast), Some(slow)) if slow.0 - fast.0 <= NEAR => {
-                // A step that no effort lies between.
+                // The time jumps between two neighbouring efforts; the faster one is kept.
                 self.move_to(fast.0);
                 self.state = GoalState::Met;
                 return;
@@ -371,7 +375,7 @@ impl TimeSearch {
     }
 }
 
-/// Of at least one; the lesser of two, since what disturbs a time adds to it.
+/// The median of at least one time; of an even number the lesser middle one, since disturbances only lengthen times.
 fn median(times: &[f64]) -> f64 {
     let mut sorted = [0.0; TimeSearch::MANY];
     let sorted = &mut sorted[..times.len().min(TimeSearch::MANY)];
@@ -386,19 +390,19 @@ mod tests {
 
     const SIZE: [u32; 2] = [480, 270];
 
-    /// A made-up scene: the squared error of tile `t` and the time at an effort.
+    /// A synthetic scene, which gives the squared error of a tile and the time of a frame at an effort.
     struct Plant {
         scale: f64,
         fixed: f64,
         noise: f64,
-        /// Frames between a frame and its measurement.
+        /// The number of frames between a frame and its measurement.
         latency: usize,
     }
 
     impl Plant {
         const NEW: Self = Self { scale: 1.0, fixed: 20.0, noise: 0.0, latency: 0 };
 
-        /// Edges in one tile of five, all samples from effort 6 on.
+        /// One tile in five has edges; from effort 6 on every sample is shaded.
         fn squared(&self, tile: usize, effort: f32) -> f32 {
             let steep = if tile.is_multiple_of(5) { 1e-2 * ((tile * 37 % 101) as f64) / 50.0 } else { 1e-4 };
             let k = (4.0 * f64::from(effort).exp2()).clamp(1.0, 16.0);
@@ -417,7 +421,7 @@ mod tests {
             (self.fixed + 10.0 * k) * (1.0 + wave)
         }
 
-        /// The efforts of so many frames.
+        /// Runs a number of frames and returns their efforts.
         fn run(&self, controller: &mut Controller, goal: Goal, frames: usize) -> Vec<f32> {
             let (mut efforts, mut steps) = (Vec::new(), Vec::new());
             for frame in 0..frames {
@@ -475,7 +479,7 @@ mod tests {
         let efforts = Plant::NEW.run(&mut controller, Goal::Error(0.0), 100);
         assert!(efforts.iter().all(|&e| Plant::NEW.rms(e) == 0.0));
         assert_eq!(state(&controller), GoalState::Met);
-        // A part of the error that no effort takes away.
+        // An error that no effort removes.
         let mut search = ErrorSearch::new(0.001, [8, 8]);
         search.learn(Audited::of(0, [8, 8]), &[[64.0; 2]]);
         assert_eq!((search.state, search.effort), (GoalState::Missed, MOST));

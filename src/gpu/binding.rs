@@ -1,4 +1,5 @@
-//! A pass as data: its module, what it binds, and what it runs. Layouts, bind groups, reads and writes all come from that one list.
+//! A pass as data: its module, its bindings and its stages. Layouts, bind groups, reads and writes all come from the
+//! one list of bindings.
 
 use crate::gpu::modules::{Base, Module};
 use crate::gpu::sizes::{IMAGE_FORMAT, WORK_BYTES};
@@ -9,35 +10,35 @@ use crate::host::graph::{Part, PassKind, Resource, ResourceSet, Rounds, Stage};
 use crate::host::needs::RayInputs;
 use crate::rays::RayTier;
 
-/// Group of a pass's own bindings. Group 0 is the frame's, 1 the texture table's, 2 the host's.
+/// The group of a pass's own bindings. Group 0 belongs to the frame, 1 to the texture table, 2 to the host.
 pub(crate) const OWN_GROUP: u32 = 3;
 
-/// Something that passes bind.
+/// A resource that passes bind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum Slot {
     Part(Part),
-    /// `DaaStep`: the pass's place among the lattices.
+    /// `DaaStep`: the lattices that the pass works on.
     Step,
     /// `DaaCasting`: the samples that cast rays, and the lights.
     Casting,
-    /// What the host says of its materials and objects.
+    /// The marks of materials and objects, from the host.
     Marks,
-    /// A bit for each material: it sends rays.
+    /// A bit for each material: whether it sends rays.
     Bouncing,
-    /// Squared errors of audited tiles.
+    /// The squared errors of audited tiles.
     Audits,
-    /// Takes the counts of audited samples, which are nobody's.
+    /// Counters for audited samples, which are not read.
     AuditedCounters,
-    /// What is counted of a host's input.
+    /// The counts of the check of a host's input.
     InputCounts,
-    /// The ray scene: its nodes, or its top level where the adapter traces.
+    /// The nodes of the ray scene, or its top level on [`RayTier::Query`].
     RayNodes,
     RayGeometry,
     RayTop,
 }
 
 impl Slot {
-    /// What a graph knows it as. `None`: nothing that a pass hands to another.
+    /// The resource that a graph sees; `None` if passes do not exchange data through it.
     pub fn resource(self) -> Option<Resource> {
         match self {
             Self::Part(part) => Some(part.resource()),
@@ -49,19 +50,19 @@ impl Slot {
         }
     }
 
-    /// Whether it goes with the frame's ray scene.
+    /// Whether it belongs to the frame's ray scene.
     pub fn is_of_scene(self) -> bool {
         self.resource() == Some(Resource::Rays)
     }
 }
 
-/// What a shader does with a binding.
+/// How a shader accesses a binding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Access {
     Read,
-    /// Adds to it, or writes what nobody has written before in this frame.
+    /// Adds to it, or writes what no earlier pass of the frame has written.
     Write,
-    /// Also reads what earlier passes have written.
+    /// Writes it, and reads what earlier passes have written.
     Update,
 }
 
@@ -69,12 +70,12 @@ pub(crate) enum Access {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Binding {
     pub index: u32,
-    /// In WGSL.
+    /// The name in WGSL.
     pub name: &'static str,
     pub slot: Slot,
-    /// What its declaration allows.
+    /// The access that its declaration in WGSL allows.
     pub access: Access,
-    /// What this pass does of it. `None`: it is bound because other passes with the same shader use it.
+    /// The access that this pass uses; `None` if it is bound only because other passes with the same shader use it.
     pub used: Option<Access>,
 }
 
@@ -91,17 +92,17 @@ impl Binding {
         Self { index, name, slot, access: Access::Update, used: Some(Access::Update) }
     }
 
-    /// Bound for other passes' sake unless this pass uses it.
+    /// Marks it as bound only for other passes, unless this pass uses it.
     pub const fn if_used(self, used: bool) -> Self {
         if used { self } else { Self { used: None, ..self } }
     }
 
-    /// Declared to be written too, for other passes' sake.
+    /// Marks it as only read by this pass, although its declaration also allows writing.
     pub const fn only_read(self) -> Self {
         Self { used: Some(Access::Read), ..self }
     }
 
-    /// What WGSL declares it as, on a tier of rays.
+    /// The type that WGSL declares, on a tier of rays.
     pub fn ty(&self, tier: RayTier) -> wgpu::BindingType {
         let read_only = self.access == Access::Read;
         let buffer = |ty, has_dynamic_offset, bytes| wgpu::BindingType::Buffer {
@@ -121,7 +122,7 @@ impl Binding {
                 format: IMAGE_FORMAT,
                 view_dimension: wgpu::TextureViewDimension::D2,
             },
-            // A reader has the part of one round; the writer has all of it.
+            // A reader binds the part of one round; the writer binds all of it.
             Slot::Part(Part::PixelListWork | Part::SampleListWork) if read_only => buffer(storage, true, WORK_BYTES),
             Slot::Step => buffer(wgpu::BufferBindingType::Uniform, true, size_of::<StepUniform>() as u64),
             Slot::Casting => buffer(wgpu::BufferBindingType::Uniform, true, size_of::<CastingUniform>() as u64),
@@ -132,7 +133,7 @@ impl Binding {
         }
     }
 
-    /// The bytes of a binding with a dynamic offset.
+    /// The size of the binding if it has a dynamic offset.
     pub fn dynamic(&self) -> Option<wgpu::BufferSize> {
         match self.ty(RayTier::Software) {
             wgpu::BindingType::Buffer { has_dynamic_offset: true, min_binding_size, .. } => min_binding_size,
@@ -141,7 +142,7 @@ impl Binding {
     }
 }
 
-/// Names of a pass on the lattices of [`Level`](crate::gpu::uniforms::lattice::Level), in its order.
+/// The names of a pass on the lattices of [`Level`](crate::gpu::uniforms::lattice::Level), in its order.
 macro_rules! by_level {
     ($name:literal) => {
         &[$name, concat!($name, " shifted"), concat!($name, " 1/2"), concat!($name, " 1/4"), concat!($name, " 1/8")]
@@ -149,10 +150,10 @@ macro_rules! by_level {
 }
 pub(crate) use by_level;
 
-/// A pass: all that there is to say about it but what its shader does.
+/// The declaration of a pass: everything except what its shader does.
 #[derive(Debug)]
 pub(crate) struct PassData {
-    /// Its name, or its names by the lattice that it works on.
+    /// Its name, or its names for the lattices that it may work on.
     pub names: &'static [&'static str],
     pub kind: PassKind,
     pub module: &'static Module,
@@ -164,20 +165,20 @@ pub(crate) struct PassData {
 }
 
 impl PartialEq for PassData {
-    /// Each is declared once.
+    /// Each pass is declared once, so addresses can be compared.
     fn eq(&self, other: &Self) -> bool {
         std::ptr::eq(self, other)
     }
 }
 
 impl PassData {
-    /// The bindings of a stage.
+    /// The bindings that a stage uses.
     pub fn bound(&self, stage: &Stage) -> impl Iterator<Item = &'static Binding> + use<> {
         let without = stage.without;
         self.bindings.iter().filter(move |binding| !without.contains(&binding.name))
     }
 
-    /// Whether it shades, or judges, samples that bring along what rays found.
+    /// Whether it reads samples together with their ray results.
     pub fn reads_found(&self) -> bool {
         matches!(self.module.base, Base::Found | Base::Shading)
     }
@@ -192,12 +193,12 @@ impl PassData {
         own.chain(given.into_iter().filter(|(is, _)| *is).map(|(_, resource)| (resource, Access::Read)))
     }
 
-    /// What must be finished before, in a frame with these inputs from rays.
+    /// The resources that it reads in a frame with these ray results.
     pub fn reads(&self, inputs: RayInputs) -> ResourceSet {
         self.used(inputs).filter(|used| used.1 != Access::Write).map(|used| used.0).collect()
     }
 
-    /// What it changes.
+    /// The resources that it changes.
     pub fn writes(&self, inputs: RayInputs) -> ResourceSet {
         let drawn = self.draws().then_some(Resource::Target);
         let written = self.used(inputs).filter(|used| used.1 != Access::Read).map(|used| used.0);
@@ -210,7 +211,7 @@ impl PassData {
     }
 }
 
-/// The layout of a stage's own group.
+/// Creates the layout of a stage's own group.
 pub(crate) fn layout(device: &wgpu::Device, pass: &PassData, stage: &Stage, tier: RayTier) -> wgpu::BindGroupLayout {
     let visibility = if pass.draws() { wgpu::ShaderStages::FRAGMENT } else { wgpu::ShaderStages::COMPUTE };
     let entry = |binding: &Binding| wgpu::BindGroupLayoutEntry {
@@ -223,7 +224,7 @@ pub(crate) fn layout(device: &wgpu::Device, pass: &PassData, stage: &Stage, tier
     device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(stage.entry), entries: &entries })
 }
 
-/// The layout of group 0: the frame's constants, the G-buffer, and what rays found.
+/// Creates the layout of group 0: the frame's constants, the G-buffer, and the ray results.
 pub(crate) fn frame_layout(device: &wgpu::Device, inputs: RayInputs) -> wgpu::BindGroupLayout {
     let visibility = wgpu::ShaderStages::COMPUTE | wgpu::ShaderStages::FRAGMENT;
     let texture = |binding, sample_type| wgpu::BindGroupLayoutEntry {

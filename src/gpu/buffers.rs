@@ -1,5 +1,5 @@
-//! What a node holds whatever its size: the uniforms, what the host says of its materials and objects, and audits. Each is made when
-//! a frame first needs it.
+//! The buffers of a node that do not depend on its size: the uniforms, the marks of materials and objects, and audits.
+//! Each is created when a frame first needs it.
 
 use crate::gpu::binding::{Access, Slot};
 use crate::gpu::uniforms::audited;
@@ -12,11 +12,11 @@ use crate::host::needs::{Needs, ObjectImportance};
 use crate::host::statistics::COUNTER_BYTES;
 use std::sync::OnceLock;
 
-/// Materials and objects that a G-buffer tells apart.
+/// The number of materials, and of objects, that a G-buffer can tell apart.
 const NAMES: usize = 1 << 16;
-/// A bit for each material, a byte for each object: `daa_marks` of select.wgsl.
+/// The bytes of `daa_marks` of select.wgsl: a bit for each material and a byte for each object.
 const MARKS_BYTES: u64 = NAMES as u64 / 8 + NAMES as u64;
-/// A bit for each material: `daa_bouncing` of bounce.wgsl.
+/// The bytes of `daa_bouncing` of bounce.wgsl: a bit for each material.
 const BOUNCING_BYTES: u64 = NAMES as u64 / 8;
 
 /// The buffers of a node.
@@ -30,7 +30,7 @@ pub(crate) struct NodeBuffers {
     bouncing: OnceLock<wgpu::Buffer>,
     audits: OnceLock<wgpu::Buffer>,
     audited_counters: OnceLock<wgpu::Buffer>,
-    /// Stand in where a pass binds what it does not use: one that is read, and one that might be written.
+    /// Placeholders for bindings that a pass does not use: one for reading, and one for writing.
     nothing: OnceLock<[wgpu::Buffer; 2]>,
     marked: (Vec<u32>, Vec<ObjectImportance>),
     sending: Vec<u32>,
@@ -40,7 +40,7 @@ impl NodeBuffers {
     pub fn new(device: &wgpu::Device) -> Self {
         Self {
             device: device.clone(),
-            // The slot beyond is the input check's.
+            // The additional slot belongs to the input check.
             frames: Ring::new(device, "daa frame", 1, 1),
             steps: OnceLock::new(),
             casting: OnceLock::new(),
@@ -54,17 +54,17 @@ impl NodeBuffers {
         }
     }
 
-    /// `DaaStep`, a slot for each frame and place among the lattices.
+    /// The values of `DaaStep`, one for each frame and each [`LatticeStep`](crate::gpu::lattice::LatticeStep).
     pub fn steps(&self) -> &Ring<StepUniform> {
         self.steps.get_or_init(|| Ring::new(&self.device, "daa steps", LatticeStep::COUNT, 0))
     }
 
-    /// `DaaCasting`, a slot for each frame and each [`CastSamples`].
+    /// The values of `DaaCasting`, one for each frame and each [`CastSamples`].
     pub fn casting(&self) -> &Ring<CastingUniform> {
         self.casting.get_or_init(|| Ring::new(&self.device, "daa casting", CastSamples::COUNT, 0))
     }
 
-    /// Squared errors by audited tile, as they are and with a step less of effort.
+    /// The squared errors of each audited tile: at the frame's effort, and a step below it.
     pub fn audits(&self) -> &wgpu::Buffer {
         self.audits.get_or_init(|| self.storage("daa audits", audited::BYTES, wgpu::BufferUsages::COPY_SRC))
     }
@@ -86,7 +86,7 @@ impl NodeBuffers {
         })
     }
 
-    /// A buffer to bind where a pass uses nothing.
+    /// A placeholder for a binding that a pass does not use.
     pub fn nothing(&self, access: Access) -> &wgpu::Buffer {
         let made = || {
             ["daa nothing", "daa nothing written"].map(|label| self.storage(label, 256, wgpu::BufferUsages::empty()))
@@ -94,7 +94,7 @@ impl NodeBuffers {
         &self.nothing.get_or_init(made)[usize::from(access != Access::Read)]
     }
 
-    /// The buffer of a slot that is the node's; `None` of one that is not.
+    /// The buffer of a slot, `None` if it is not one of these.
     pub fn of(&self, slot: Slot) -> Option<&wgpu::Buffer> {
         Some(match slot {
             Slot::Step => &self.steps().buffer,
@@ -109,12 +109,12 @@ impl NodeBuffers {
         })
     }
 
-    /// Bytes of marks held.
+    /// The bytes of the marks.
     pub fn marks_held(&self) -> u64 {
         self.marks.get().map_or(0, wgpu::Buffer::size)
     }
 
-    /// Bytes held for rays.
+    /// The bytes of buffers for rays.
     pub fn rays_held(&self) -> u64 {
         let casting = self.casting.get().map(|ring| &ring.buffer);
         casting.into_iter().chain(self.bouncing.get()).map(wgpu::Buffer::size).sum()
@@ -124,7 +124,7 @@ impl NodeBuffers {
     pub fn write_marks(&mut self, queue: &wgpu::Queue, needs: &Needs<'_>) {
         let (textured, importance) = &mut self.marked;
         if textured == needs.textured && importance == needs.importance {
-            // Untouched buffers are 0.
+            // New buffers are 0.
             return;
         }
         *textured = needs.textured.to_vec();
@@ -153,7 +153,7 @@ impl NodeBuffers {
     }
 }
 
-/// Names the first mark of a material or an object that is none.
+/// Refuses the first material or object that is out of range.
 pub(crate) fn check_marks(needs: &Needs<'_>) -> Result<(), RecordError> {
     if let Some(index) = needs.textured.iter().position(|&material| material as usize >= NAMES) {
         return Err(RecordError::TexturedMaterial { index, material: needs.textured[index] });

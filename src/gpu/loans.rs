@@ -1,4 +1,4 @@
-//! What a host has lent a node: memory for what the node would else allocate itself.
+//! The memory that a host has lent a node in place of the node's own.
 
 use crate::gpu::binding::Slot;
 use crate::gpu::sizes::Shape;
@@ -6,38 +6,38 @@ use crate::host::error::LendError;
 use crate::host::graph::{Part, PartKind};
 use crate::passes;
 
-/// Memory of a host's graph for a part of a node's resources. See [`DeferredAa::lend`](crate::DeferredAa::lend).
+/// Memory of the host for one of the node's parts. See [`DeferredAa::lend`](crate::DeferredAa::lend).
 #[derive(Debug, Clone, Copy)]
 pub struct Lent<'a> {
-    /// What it is for.
+    /// The part that the memory is for.
     pub part: Part,
     /// The memory.
     pub memory: Physical<'a>,
 }
 
-/// A texture or a buffer of a host's.
+/// A texture or a buffer of the host.
 #[derive(Debug, Clone, Copy)]
 pub enum Physical<'a> {
-    /// Of exactly the part's format and size.
+    /// A texture with exactly the format and size of the part.
     Texture(&'a wgpu::Texture),
-    /// At least as large as the part. All of it is the part's while the part lives.
+    /// A buffer at least as large as the part. All of it is used by the part while the part is alive.
     Buffer(&'a wgpu::Buffer),
 }
 
-/// What is lent at present.
+/// The present loans.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Loans {
     textures: Vec<(Part, wgpu::Texture)>,
     buffers: Vec<(Part, wgpu::Buffer)>,
 }
 
-/// Whether some pass may bind both parts at once, whether it looks at both or not. wgpu lets no buffer or texture be bound to be read
-/// and to be written at once.
+/// Whether any pass binds both parts, even if it uses only one: wgpu does not allow the same buffer or texture to be
+/// bound for reading and for writing in one dispatch.
 fn are_bound_together(one: Part, other: Part) -> bool {
     let all_samples = [Part::Shadows, Part::Secondary];
     passes::ALL.iter().any(|pass| {
         let binds = |part: Part| {
-            // The host renders to all attachments at once, and group 0 has them all.
+            // The host renders to all attachments together, and group 0 binds all of them.
             Part::GBUFFER.contains(&part)
                 || pass.reads_found() && all_samples.contains(&part)
                 || pass.bindings.iter().any(|binding| binding.slot == Slot::Part(part))
@@ -47,7 +47,7 @@ fn are_bound_together(one: Part, other: Part) -> bool {
 }
 
 impl Loans {
-    /// Takes them if each can serve.
+    /// Accepts the loans if all of them fit their parts.
     pub fn new(lent: &[Lent<'_>], shape: &Shape, limit: u64) -> Result<Self, LendError> {
         let mut loans = Self::default();
         for (index, &Lent { part, memory }) in lent.iter().enumerate() {
@@ -62,7 +62,7 @@ impl Loans {
                     return Err(LendError::Together { part, other: other.part });
                 }
             }
-            // Only a frame's settings say how many points its lattices have.
+            // The number of a lattice's points depends on the frame's settings, so any size is accepted here.
             let any = PartKind::Buffer { bytes: 0, usage: wgpu::BufferUsages::STORAGE };
             loans.take(part, memory, shape.kind(part).unwrap_or(any), limit)?;
         }
@@ -100,12 +100,12 @@ impl Loans {
         Ok(())
     }
 
-    /// What is lent for a part.
+    /// The texture that is lent for a part.
     pub fn texture(&self, part: Part) -> Option<&wgpu::Texture> {
         self.textures.iter().find(|lent| lent.0 == part).map(|lent| &lent.1)
     }
 
-    /// What is lent for a part.
+    /// The buffer that is lent for a part.
     pub fn buffer(&self, part: Part) -> Option<&wgpu::Buffer> {
         self.buffers.iter().find(|lent| lent.0 == part).map(|lent| &lent.1)
     }
@@ -114,12 +114,12 @@ impl Loans {
         self.texture(part).is_some() || self.buffer(part).is_some()
     }
 
-    /// Of a part's bytes, those that the node has allocated itself.
+    /// The bytes of a part that the node has allocated itself.
     pub fn own(&self, part: Part, bytes: u64) -> u64 {
         if self.has(part) { 0 } else { bytes }
     }
 
-    /// The first of some parts whose loan is less than they need.
+    /// The first of some parts whose loan is smaller than needed, with its lent and its needed bytes.
     pub fn too_small(&self, parts: impl IntoIterator<Item = (Part, u64)>) -> Option<(Part, u64, u64)> {
         parts.into_iter().find_map(|(part, needed)| {
             let lent = self.buffer(part)?.size();
@@ -141,7 +141,7 @@ mod tests {
     use super::*;
     use crate::host::graph::Lifetime;
 
-    /// What is not lendable has a lifetime that says why.
+    /// The lifetime of a part that can't be lent says why.
     #[test]
     fn only_what_is_kept_or_the_hosts_is_not_lent() {
         for part in Part::ALL.into_iter().filter(|part| !part.is_lendable()) {

@@ -1,4 +1,4 @@
-//! How frames get onto the GPU: pipelines, memory and uniforms, whatever the passes are.
+//! The GPU side of frames, independent of what the passes are: pipelines, memory and uniforms.
 
 pub(crate) mod binding;
 pub(crate) mod buffers;

@@ -1,5 +1,5 @@
-//! How shaders are put together: the crate's chunks of WGSL, the host's source, and a pass. Pipelines, the exporter and the tests all
-//! take what [`source`] makes.
+//! The composition of shaders from the crate's chunks of WGSL, the host's source, and a pass. Pipelines, the exporter
+//! and the tests all use [`source`].
 
 use crate::host::needs::RayInputs;
 use crate::rays::RayTier;
@@ -10,31 +10,32 @@ use crate::wgsl::{HostSource, chunk};
 pub(crate) struct Module {
     pub name: &'static str,
     pub base: Base,
-    /// Its own chunks, in order, behind those of its base.
+    /// Its own chunks, in order, after those of its base.
     pub chunks: &'static [&'static str],
 }
 
-/// What a module is built on.
+/// The base of a module: the chunks that it shares with others. Each variant includes those before it, except
+/// [`Casting`](Self::Casting).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Base {
     /// The frame's constants and the G-buffer.
     GBuffer,
-    /// And what rays found.
+    /// Also the ray results.
     Found,
-    /// And the host's source, which shades samples.
+    /// Also the host's source, which shades samples.
     Shading,
     /// A scene for rays. `shades`: with the host's source; else with it only if that says where materials are solid.
     Casting { shades: bool },
 }
 
 impl Base {
-    /// Whether the host's group and the texture table may be read.
+    /// Whether the module may read the host's group and the texture table.
     pub fn has_host(self) -> bool {
         matches!(self, Self::Shading | Self::Casting { .. })
     }
 }
 
-/// The whole text of a module for samples that bring `inputs` along.
+/// The whole text of a module, for samples with these ray results.
 pub(crate) fn source(module: &Module, host: &HostSource, inputs: RayInputs, tier: RayTier) -> String {
     let text = match module.base {
         Base::GBuffer => frame(RayInputs::default()),
@@ -45,7 +46,7 @@ pub(crate) fn source(module: &Module, host: &HostSource, inputs: RayInputs, tier
     text.into_iter().chain(module.chunks.iter().copied()).flat_map(|chunk| [chunk, "\n"]).collect()
 }
 
-/// Whether the host's source is in a module, so that its group and the texture table's must be bound.
+/// Whether a module has the host's source, so that its group and the texture table must be bound.
 pub(crate) fn binds_host(base: Base, host: &HostSource) -> bool {
     match base {
         Base::GBuffer | Base::Found => false,
@@ -61,7 +62,7 @@ fn frame(inputs: RayInputs) -> Vec<&'static str> {
     chunks
 }
 
-/// What reads samples.
+/// The chunks that read samples.
 fn samples(inputs: RayInputs) -> [&'static str; 7] {
     [
         chunk::OCTAHEDRAL,
@@ -74,7 +75,7 @@ fn samples(inputs: RayInputs) -> [&'static str; 7] {
     ]
 }
 
-/// The host's source, the contract, and what reads, shades and averages samples.
+/// The host's source, the contract, and the chunks that read, shade and average samples.
 fn shading(host: &HostSource, inputs: RayInputs) -> Vec<&str> {
     let mut chunks = vec![host.directives(), &host.source, chunk::CONTRACT, host.table_chunk()];
     chunks.extend(samples(inputs));

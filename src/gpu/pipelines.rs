@@ -1,4 +1,5 @@
-//! The pipelines of all passes: compiled when a frame first needs them, or behind the frames while others serve.
+//! The pipelines of all passes. They are compiled when a frame first needs them, or on a thread while a larger set is
+//! used.
 
 use crate::gpu::binding::{self, PassData};
 use crate::gpu::modules::{self, Base};
@@ -14,20 +15,20 @@ use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, PoisonError, RwLock};
 
-/// What every pipeline is built from.
+/// The inputs of all pipelines.
 #[derive(Debug)]
 pub(crate) struct Build {
     pub device: wgpu::Device,
     pub m: u32,
     pub host: HostSource,
     pub target_format: wgpu::TextureFormat,
-    /// Who traces rays, in a node that may.
+    /// How rays are traced, if the node can trace any.
     pub rays: Option<RayTier>,
-    /// `@group(0)`, by [`RayInputs::index`].
+    /// The layouts of `@group(0)`, by [`RayInputs::index`].
     pub frame_layouts: [wgpu::BindGroupLayout; RayInputs::COUNT],
-    /// `@group(1)`: the texture table.
+    /// The layout of `@group(1)`: the texture table.
     pub table_layout: Option<wgpu::BindGroupLayout>,
-    /// `@group(2)`: the host's.
+    /// The layout of `@group(2)`: the host's.
     pub host_layout: Option<wgpu::BindGroupLayout>,
 }
 
@@ -35,7 +36,7 @@ pub(crate) struct Build {
 #[derive(Debug, Clone)]
 pub(crate) struct Pipeline {
     pub kind: PipelineKind,
-    /// Of its own group.
+    /// The layout of its own group.
     pub layout: wgpu::BindGroupLayout,
 }
 
@@ -45,20 +46,20 @@ pub(crate) enum PipelineKind {
     Render(wgpu::RenderPipeline),
 }
 
-/// Stages of several passes may share a pipeline: what tells pipelines apart is the module, the entry point, and the inputs that its
-/// samples bring along.
+/// The key of a pipeline: the module, the entry point, and the ray results of its samples. Stages of several passes may
+/// share a pipeline.
 type Key = (&'static str, &'static str, RayInputs);
 
 fn key(pass: &PassData, stage: &Stage, set: RayInputs) -> Key {
     (pass.module.name, stage.entry, if pass.reads_found() { set } else { RayInputs::default() })
 }
 
-/// All pipelines, and what they are built from.
+/// All pipelines, and their inputs.
 #[derive(Debug)]
 pub(crate) struct Pipelines {
     pub build: Build,
     compiled: RwLock<HashMap<Key, Pipeline>>,
-    /// A thread compiles.
+    /// Whether a thread is compiling.
     compiling: AtomicBool,
 }
 
@@ -71,19 +72,19 @@ impl Pipelines {
         self.compiled.read().unwrap_or_else(PoisonError::into_inner).contains_key(key)
     }
 
-    /// Of a stage whose samples bring `set` along; compiles it if it is not yet.
+    /// The pipeline of a stage, for samples with the ray results `set`. It is compiled if it is not yet.
     pub fn get(&self, pass: &'static PassData, stage: &'static Stage, set: RayInputs) -> Result<Pipeline, RecordError> {
         let key = key(pass, stage, set);
         if let Some(found) = self.compiled.read().unwrap_or_else(PoisonError::into_inner).get(&key) {
             return Ok(found.clone());
         }
-        // Two threads may both compile it: the second one's is dropped.
+        // Two threads may compile the same pipeline; the second result is dropped.
         let made = self.build.compile(pass, stage, key.2)?;
         let mut compiled = self.compiled.write().unwrap_or_else(PoisonError::into_inner);
         Ok(compiled.entry(key).or_insert(made).clone())
     }
 
-    /// Compiles what frames with these steps and inputs want, where it is not yet.
+    /// Compiles the pipelines of frames with these steps and inputs that are not compiled yet.
     pub fn warm_up(&self, steps: &[Step], inputs: RayInputs) -> Result<(), RecordError> {
         for step in steps {
             for stage in step.pass.stages {
@@ -93,15 +94,15 @@ impl Pipelines {
         Ok(())
     }
 
-    /// Whether the stages of a frame are compiled, for samples that bring `set` along.
+    /// Whether the stages of a frame are compiled, for samples with the ray results `set`.
     pub fn ready(&self, steps: &[Step], set: RayInputs) -> bool {
         let stages = steps.iter().flat_map(|step| step.pass.stages.iter().map(|stage| key(step.pass, stage, set)));
         stages.into_iter().all(|key| self.has(&key))
     }
 
-    /// The inputs that the chosen pipelines were compiled for; a superset of the frame's. While its own pipelines are compiled on a
-    /// thread, those of a larger set serve, which find that nothing was traced of the rest. Waits for the compiler only if there are
-    /// none of either.
+    /// Chooses pipelines, and returns the ray results that they were compiled for: a superset of the frame's. While the
+    /// frame's own pipelines are compiled on a thread, those of a larger set are used, which find that the rest was not
+    /// traced. Waits for the compiler only if neither are there.
     pub fn serve(self: &Arc<Self>, steps: &[Step], inputs: RayInputs) -> Result<RayInputs, RecordError> {
         if self.ready(steps, inputs) {
             return Ok(inputs);
@@ -111,13 +112,13 @@ impl Pipelines {
         if !self.compiling.swap(true, Ordering::AcqRel) {
             let (own, wanted) = (self.clone(), steps.to_vec());
             let behind = move || {
-                // If it fails it is not tried again: the larger set goes on to serve.
+                // If it fails, it is not tried again, and the larger set stays in use.
                 if own.warm_up(&wanted, inputs).is_ok() {
                     own.compiling.store(false, Ordering::Release);
                 }
             };
             if std::thread::Builder::new().name("daa compile".to_owned()).spawn(behind).is_err() {
-                // There are no threads here.
+                // This platform has no threads.
                 self.compiling.store(false, Ordering::Release);
                 return self.warm_up(steps, inputs).map(|()| inputs);
             }
@@ -144,7 +145,8 @@ impl Build {
         constants
     }
 
-    /// Only modules of the crate's own count up from 0 in workgroup memory; what the host's read there they have written.
+    /// Only the crate's own modules rely on workgroup memory that is initialised to 0; modules with the host's source
+    /// write it before they read it.
     fn zeroed(&self, pass: &PassData) -> bool {
         !modules::binds_host(pass.module.base, &self.host)
     }
@@ -194,7 +196,7 @@ impl Build {
         Ok(checked)
     }
 
-    /// A pipeline that covers the target with one triangle.
+    /// Creates a pipeline that covers the target with one triangle.
     fn fullscreen(
         &self,
         stage: &Stage,
@@ -225,7 +227,7 @@ impl Build {
         })
     }
 
-    /// What the stages of a pass run, for a host that compiles them by itself. Compiles each as its only check.
+    /// The shaders of a pass, for a host that compiles them itself. Each is also compiled here, to check it.
     pub fn shaders(&self, step: &Step, name: &'static str, inputs: RayInputs) -> Result<Vec<Shader>, RecordError> {
         let pass = step.pass;
         let set = if pass.reads_found() { inputs } else { RayInputs::default() };
@@ -251,7 +253,7 @@ impl Build {
         Ok(shaders)
     }
 
-    /// Catches what wgpu says, so that a host's mistake comes back as an error.
+    /// Catches errors of wgpu, so that a host's mistake is returned as an error.
     fn checked<T>(&self, pass: &'static str, make: impl FnOnce() -> T) -> Result<T, PipelineError> {
         let scope = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
         let made = make();
@@ -262,16 +264,16 @@ impl Build {
     }
 }
 
-/// Of fullscreen.wgsl.
+/// The entry point of fullscreen.wgsl.
 const FULLSCREEN_VERTEX: &str = "daa_fullscreen_vertex";
 
-/// What wgpu said.
+/// The message of wgpu in one line.
 pub(crate) fn one_line(error: &wgpu::Error) -> String {
     error.to_string().split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// The outcome of an error scope. On native backends it is there at once; in a browser it comes later, and the error goes
-/// to the console instead.
+/// The result of an error scope. On native backends it is available at once. In a browser it comes later, and the error
+/// goes to the console instead.
 pub(crate) fn ready(pop: impl Future<Output = Option<wgpu::Error>>) -> Option<wgpu::Error> {
     let mut pop = std::pin::pin!(pop);
     match pop.as_mut().poll(&mut std::task::Context::from_waker(std::task::Waker::noop())) {

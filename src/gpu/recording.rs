@@ -1,4 +1,4 @@
-//! A frame under way, pass by pass.
+//! A frame that is being recorded, pass by pass.
 
 use crate::gpu::binding::{OWN_GROUP, Slot};
 use crate::gpu::buffers::NodeBuffers;
@@ -12,22 +12,22 @@ use crate::host::error::RecordError;
 use crate::host::frame::Frame;
 use crate::host::graph::{Grid, Part, Rounds, Stage};
 
-/// A frame under way. Dropped without [`finish`](Self::finish), it has no statistics.
+/// A frame that is being recorded. If it is dropped without [`finish`](Self::finish), it has no statistics.
 #[derive(Debug)]
 pub struct Recording<'a> {
     pub(crate) frame: &'a Frame<'a>,
     pub(crate) resources: &'a SizedResources,
     pub(crate) buffers: &'a NodeBuffers,
     pub(crate) collector: &'a mut Collector,
-    /// The slot of its uniforms.
+    /// The slot of its constants.
     pub(crate) slot: u64,
     pub(crate) passes: Vec<ReadyPass>,
     pub(crate) audited: Audited,
-    /// If its statistics are asked for, or the goal needs them.
+    /// Set if the frame's statistics are requested or the goal needs them.
     pub(crate) recorded: Option<Recorded>,
 }
 
-/// A pass with all that recording it takes.
+/// A pass with everything that is needed to record it.
 #[derive(Debug)]
 pub(crate) struct ReadyPass {
     pub pass: Pass,
@@ -42,12 +42,13 @@ pub(crate) struct ReadyPass {
 pub(crate) struct ReadyStage {
     pub stage: &'static Stage,
     pub pipeline: Pipeline,
-    /// The pass's own group.
+    /// The pass's own bind group.
     pub group: wgpu::BindGroup,
 }
 
 impl Recording<'_> {
-    /// Records one pass of [`DeferredAa::passes`](crate::DeferredAa::passes), which this frame must have.
+    /// Records one pass of [`DeferredAa::passes`](crate::DeferredAa::passes) for the frame's own settings and needs;
+    /// other passes are refused.
     pub fn record(&self, encoder: &mut wgpu::CommandEncoder, pass: Pass) -> Result<(), RecordError> {
         let own = self.passes.get(pass.index).filter(|own| own.pass == pass);
         let own = own.ok_or(RecordError::ForeignPass(pass.info.name))?;
@@ -107,7 +108,8 @@ impl Recording<'_> {
         }
     }
 
-    /// Dynamic offsets of a stage's own group, in the order of its bindings. `further`: into the work of a list.
+    /// The dynamic offsets of a stage's own group, in the order of its bindings. `further` is the offset of the round
+    /// into the work of a list.
     fn offsets(&self, pass: Pass, stage: &Stage, further: u64) -> ([u32; 2], usize) {
         let mut offsets = [0; 2];
         let mut count = 0;
@@ -121,7 +123,7 @@ impl Recording<'_> {
                     let index = pass.step.samples.map_or(0, |samples| samples.index());
                     self.buffers.casting().offset(self.slot, index)
                 }
-                // Work 0 is the whole list, those behind it are a round each.
+                // Work 0 describes the whole list; each later one describes a round.
                 _ => further as u32 + if pass.info.rounds == Rounds::Once { 0 } else { WORK_BYTES as u32 },
             };
             count += 1;
@@ -161,7 +163,7 @@ impl Recording<'_> {
         }
     }
 
-    /// Ends the frame: its statistics are on their way if [`Frame::statistics`] asks for them.
+    /// Ends the frame. If [`Frame::statistics`] is set, `encoder` receives the copies of its counters.
     pub fn finish(self, queue: &wgpu::Queue, encoder: &mut wgpu::CommandEncoder) {
         if let (Some(recorded), Some(counters)) = (self.recorded, self.resources.buffer(Part::Counters)) {
             let audits = recorded.audited.is_some().then(|| self.buffers.audits());

@@ -1,4 +1,4 @@
-//! What goes with a size: the memory of the parts, the node's own or lent, and the groups that bind it.
+//! The resources that depend on the size: the memory of the parts, the node's own or lent, and the groups that bind it.
 
 use crate::gpu::binding::{Binding, PassData, Slot};
 use crate::gpu::buffers::NodeBuffers;
@@ -13,7 +13,7 @@ use crate::rays::RayScene;
 use crate::settings::Execution;
 use std::collections::HashMap;
 
-/// Memory of a part.
+/// The memory of a part.
 #[derive(Debug, Clone)]
 enum Memory {
     Texture(wgpu::TextureView),
@@ -21,14 +21,14 @@ enum Memory {
 }
 
 impl Memory {
-    /// Bytes, without what the driver adds.
+    /// The size in bytes, without what the driver adds.
     fn bytes(&self) -> u64 {
         match self {
             Self::Buffer(buffer) => buffer.size(),
             Self::Texture(view) => {
                 let texture = view.texture();
                 let texel = u64::from(texture.format().block_copy_size(None).unwrap_or(0));
-                // Depth is not copied as a block.
+                // Depth has no block size for copies.
                 let texel = if texture.format() == DEPTH_FORMAT { 4 } else { texel };
                 texel * u64::from(texture.width()) * u64::from(texture.height())
             }
@@ -36,10 +36,11 @@ impl Memory {
     }
 }
 
-/// The parts beside the G-buffer that are made with the size. The others are made when a frame first needs them.
+/// The parts, besides the G-buffer, that are created with the size. The others are created when a frame first needs
+/// them.
 const FIXED: [Part; 5] = [Part::First, Part::Color, Part::Counts, Part::Plan, Part::Counters];
 
-/// A stage of a pass, by where both are declared.
+/// A stage of a pass, by the addresses of both declarations.
 type StageKey = (usize, usize);
 
 fn stage_key(pass: &'static PassData, stage: &'static Stage) -> StageKey {
@@ -56,12 +57,13 @@ pub(crate) struct SizedResources {
     parts: HashMap<Part, Memory>,
     /// Each stage's own group, with the generation of the ray scene that it binds.
     groups: HashMap<StageKey, (u64, wgpu::BindGroup)>,
-    /// Group 0, by the inputs of the frame and those that its pipelines were compiled for.
+    /// Group 0, by the ray results of the frame and those that its pipelines were compiled for.
     frames: HashMap<(RayInputs, RayInputs), wgpu::BindGroup>,
 }
 
 impl SizedResources {
-    /// `old`: resources of the same size, which hand over what was neither lent before nor is now.
+    /// Creates the resources. Parts that are lent neither in `old`, which has the same size, nor now are taken over
+    /// from it.
     pub fn new(device: &wgpu::Device, shape: &Shape, loans: Loans, old: Option<&Self>) -> Self {
         let mut parts = HashMap::new();
         if let Some(old) = old {
@@ -97,7 +99,7 @@ impl SizedResources {
         Self { size: shape.size, m: shape.m, gbuffer, loans, parts, groups, frames }
     }
 
-    /// Binds what is lent, for the device to say whether it is its own.
+    /// Binds the lent memory once, so that the device reports memory of another device.
     pub fn try_binding(&self, device: &wgpu::Device) {
         for (_, memory) in self.parts.iter().filter(|(part, _)| self.loans.has(**part)) {
             let (ty, resource) = match memory {
@@ -133,7 +135,7 @@ impl SizedResources {
         }
     }
 
-    /// A part that is a buffer, once a frame has needed it.
+    /// The buffer of a part, once a frame has needed it.
     pub fn buffer(&self, part: Part) -> Option<&wgpu::Buffer> {
         match self.parts.get(&part)? {
             Memory::Buffer(buffer) => Some(buffer),
@@ -141,7 +143,7 @@ impl SizedResources {
         }
     }
 
-    /// A part that is a texture, once a frame has needed it.
+    /// The texture of a part, once a frame has needed it.
     pub fn texture(&self, part: Part) -> Option<&wgpu::Texture> {
         match self.parts.get(&part)? {
             Memory::Texture(view) => Some(view.texture()),
@@ -149,12 +151,13 @@ impl SizedResources {
         }
     }
 
-    /// Bytes of a part that the node holds itself.
+    /// The bytes of a part that the node has allocated itself.
     pub fn held(&self, part: Part) -> u64 {
         self.parts.get(&part).map_or(0, |memory| self.loans.own(part, memory.bytes()))
     }
 
-    /// Makes what of these parts is missing or does not fit the frame's shape. `execution`: whose list it would be.
+    /// Creates those of the parts that are missing or do not fit the frame's shape. `execution` is named in the error
+    /// if its list is too large.
     pub fn ensure(
         &mut self,
         device: &wgpu::Device,
@@ -188,7 +191,7 @@ impl SizedResources {
                 return Err(refused(of, shape, execution, all, e.to_string()));
             }
             self.parts.extend(made);
-            // One that is there may have been made anew.
+            // A part may have been replaced, so no group can be kept.
             self.groups.clear();
             self.frames.clear();
         }
@@ -202,7 +205,7 @@ impl SizedResources {
         })
     }
 
-    /// Clears what a frame counts of rays and what it may leave out.
+    /// Clears the counts of rays, and the results that the frame may not write.
     pub fn clear(&self, encoder: &mut wgpu::CommandEncoder, shape: &Shape) {
         if let Some(counters) = self.buffer(Part::Counters) {
             encoder.clear_buffer(counters, 0, None);
@@ -210,7 +213,7 @@ impl SizedResources {
         if let Some(tiles) = self.buffer(Part::Tiles).filter(|_| shape.inputs.any()) {
             encoder.clear_buffer(tiles, 0, Some(TILE_CLASSES_BYTES));
         }
-        // `trace` looks at the first samples around its own.
+        // `trace` reads the first samples of neighbouring windows.
         if let Some(shadows) = self.buffer(Part::Shadows).filter(|_| shape.inputs.shadows) {
             encoder.clear_buffer(shadows, 0, Some(plan_bytes(shape.size)));
             if shape.rays {
@@ -218,13 +221,13 @@ impl SizedResources {
                 encoder.clear_buffer(shadows, bytes, Some(bytes));
             }
         }
-        // 0: nothing was traced.
+        // The code 0 means that nothing was traced.
         if let Some(secondary) = self.buffer(Part::Secondary).filter(|_| shape.inputs.secondary) {
             encoder.clear_buffer(secondary, 0, None);
         }
     }
 
-    /// A stage's own group.
+    /// The own group of a stage.
     pub fn group(
         &mut self,
         build: &Build,
@@ -278,7 +281,7 @@ impl SizedResources {
         wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset: 0, size: binding.dynamic() })
     }
 
-    /// Group 0 of a frame that gets `inputs`, for pipelines that were compiled for `set`.
+    /// Group 0 of a frame with the ray results `inputs`, for pipelines that were compiled for `set`.
     pub fn frame(
         &mut self,
         build: &Build,
@@ -302,7 +305,7 @@ impl SizedResources {
             view(3, &self.gbuffer.color[1]),
             view(4, &self.gbuffer.color[2]),
         ];
-        // What was not traced is 0 wherever it is read.
+        // Results that were not traced read as 0.
         let found =
             [(5, Part::Shadows, set.shadows, inputs.shadows), (6, Part::Secondary, set.secondary, inputs.secondary)];
         for (binding, part, _, traced) in found.into_iter().filter(|found| found.2) {
@@ -320,7 +323,7 @@ impl SizedResources {
     }
 }
 
-/// What is lent for a part, or memory of the node's own.
+/// The memory that is lent for a part, or newly created memory.
 fn make(device: &wgpu::Device, part: Part, kind: PartKind, loans: &Loans) -> Memory {
     match kind {
         PartKind::Texture { format, width, height, usage } => {
@@ -370,13 +373,13 @@ fn refused(of: Resource, shape: &Shape, execution: Option<Execution>, bytes: u64
     }
 }
 
-/// The most bytes that the device binds as one.
+/// The most bytes that the device binds as one storage buffer.
 pub(crate) fn binding_limit(device: &wgpu::Device) -> u64 {
     let limits = device.limits();
     limits.max_storage_buffer_binding_size.min(limits.max_buffer_size)
 }
 
-/// Refuses sizes that no frame could have on the device.
+/// Refuses sizes that exceed the device's limits.
 pub(crate) fn check_size(size: [u32; 2], m: u32, limits: &wgpu::Limits) -> Result<(), SizeError> {
     let [width, height] = size;
     if width == 0 || height == 0 {

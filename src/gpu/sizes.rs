@@ -1,4 +1,4 @@
-//! How large things are: the parts of a frame's resources, and the grids of its passes.
+//! The sizes of the parts of a frame's resources, and the grids of its passes.
 
 use crate::TILE;
 use crate::gpu::uniforms::audited::Audited;
@@ -8,79 +8,79 @@ use crate::host::graph::{Grid, LatticeShape, Part, PartKind, PassInfo, Rounds};
 use crate::host::needs::RayInputs;
 use crate::host::statistics::COUNTER_BYTES;
 
-/// Format of S and of the shaded image: f32, so that the linear mean is exact to f32 and 65520 is a number.
+/// The format of S and of the shaded image: f32, so that linear means have the precision of f32 and 65520 stays finite.
 pub(crate) const IMAGE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 
-/// Bytes of a `DaaWork` of work.wgsl: one dispatch's part of a list.
+/// The bytes of a `DaaWork` of work.wgsl: the part of a list that one dispatch runs.
 pub(crate) const WORK_BYTES: u64 = 256;
 
-/// Where the workgroups of an indirect dispatch stand in a `DaaWork`.
+/// The offset of the workgroups of an indirect dispatch in a `DaaWork`.
 pub(crate) const WORK_GROUPS_AT: u64 = 16;
 
 /// `DAA_BATCH` of list.wgsl.
 pub(crate) const BATCH: u64 = 1 << 22;
 
-/// Bytes before the lists of tiles: two `DaaTileClass` of classify.wgsl.
+/// The bytes before the lists of tiles: two `DaaTileClass` of classify.wgsl.
 pub(crate) const TILE_CLASSES_BYTES: u64 = 32;
 
-/// Words of what the rays of a first sample met: three each of a mirrored and a refracted one.
+/// The number of words for the hits of a first sample's rays: three for the mirrored and three for the refracted one.
 const HIT_WORDS: u64 = 6;
 
-/// What the sizes of a frame depend on.
+/// The values that the sizes of a frame's resources depend on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Shape {
     pub size: [u32; 2],
     pub m: u32,
     pub target_format: wgpu::TextureFormat,
     pub inputs: RayInputs,
-    /// What the rays of first samples met is kept.
+    /// Whether the hits of the rays of first samples are kept.
     pub hits: bool,
-    /// How many rays each sample sent is kept.
+    /// Whether the number of rays of each sample is kept.
     pub rays: bool,
     /// The lattices, if it has any.
     pub lattices: Option<LatticeSteps>,
 }
 
-/// Tiles along x and y.
+/// The number of tiles along x and y.
 pub(crate) fn tiles(size: [u32; 2]) -> [u32; 2] {
     size.map(|side| side.div_ceil(TILE))
 }
 
-/// Bytes of a buffer with a word for each pixel of each tile.
+/// The bytes of a buffer with a word for each pixel of each tile.
 pub(crate) fn plan_bytes(size: [u32; 2]) -> u64 {
     let [x, y] = tiles(size).map(u64::from);
     x * y * u64::from(TILE * TILE) * 4
 }
 
-/// Bytes of the G-buffer.
+/// The bytes of the G-buffer.
 pub(crate) fn gbuffer_bytes(size: [u32; 2], m: u32) -> u64 {
     let [w, h] = size.map(u64::from);
     w * h * u64::from(m * m) * BYTES_PER_SAMPLE
 }
 
-/// Bytes of all else that [`resize`](crate::DeferredAa::resize) makes.
+/// The bytes of everything else that [`resize`](crate::DeferredAa::resize) creates.
 pub(crate) fn scratch_bytes(size: [u32; 2]) -> u64 {
     let image = u64::from(size[0]) * u64::from(size[1]) * 16;
     2 * image + 2 * plan_bytes(size) + COUNTER_BYTES
 }
 
-/// Bytes of a word for each sample.
+/// The bytes of a buffer with a word for each sample.
 pub(crate) fn sample_bytes(size: [u32; 2], m: u32) -> u64 {
     plan_bytes(size) * u64::from(m * m)
 }
 
-/// Rows of a list of pixels: one for each k from 2, or one that stays empty.
+/// The number of rows of a list of pixels: one for each k from 2, or at n = 1 one that stays empty.
 pub(crate) fn pixel_rows(m: u32) -> u32 {
     (m * m - 1).max(1)
 }
 
-/// Most entries of a list of samples, which has no first ones.
+/// The most entries of a list of samples, which does not contain first samples.
 fn sample_entries(size: [u32; 2], m: u32) -> u64 {
     let [w, h] = size.map(u64::from);
     (w * h * u64::from(m * m - 1)).max(1)
 }
 
-/// Batches that the samples of any frame of a size fit in.
+/// The number of batches into which the samples of any frame of this size fit.
 pub(crate) fn batches(size: [u32; 2], m: u32) -> u32 {
     sample_entries(size, m).div_ceil(BATCH) as u32
 }
@@ -112,13 +112,13 @@ impl Shape {
             Part::SampleListRows => buffer(tiles * 4, none),
             Part::SampleListEntries => buffer(sample_entries(size, m) * 4, none),
             Part::SampleListWork => buffer(u64::from(batches(size, m) + 1) * WORK_BYTES, indirect),
-            // The last tile of a batch may reach beyond it.
+            // The last tile of a batch may exceed it.
             Part::SampleListColors => {
                 buffer(sample_entries(size, m).min(BATCH + u64::from(TILE * TILE * 63)) * 16, none)
             }
             Part::LatticePoints => lattices(0),
             Part::LatticeColors => lattices(1),
-            // For each tile a word for each class, and one for its own classes.
+            // A word for each tile in each class, and a word for the classes of each tile.
             Part::Tiles if inputs.any() => buffer(TILE_CLASSES_BYTES + 3 * tiles * 4, indirect | cleared),
             Part::Shadows if inputs.shadows => buffer(self.shadow_bytes(), cleared),
             Part::Secondary if inputs.secondary => buffer(self.secondary_bytes(), cleared),
@@ -128,13 +128,13 @@ impl Shape {
         }
     }
 
-    /// Bytes of a part, 0 if there is none.
+    /// The bytes of a part, 0 if frames of this shape have no such part.
     pub fn bytes(&self, part: Part) -> u64 {
         self.kind(part).map_or(0, |kind| kind.bytes())
     }
 
-    /// The most that a part made for other frames may have and still be kept: what hits make larger stays, as frames of several
-    /// techniques may take turns; the room for counts of rays is given back.
+    /// The greatest size at which an existing part is kept. Room for hits stays, since frames of several techniques may
+    /// alternate; room for counts of rays is freed.
     pub fn most(&self, part: Part) -> u64 {
         match part {
             Part::Shadows | Part::Secondary if !self.rays => Self { hits: true, ..*self }.bytes(part),
@@ -142,13 +142,13 @@ impl Shape {
         }
     }
 
-    /// Shadow bits, and behind them the rays that found them.
+    /// The bytes of the shadow bits, and of the counts of rays after them.
     fn shadow_bytes(&self) -> u64 {
         sample_bytes(self.size, self.m) * if self.rays { 2 } else { 1 }
     }
 
-    /// What is reflected and refracted, what the rays of first samples met, and the rays that found it. Rays lie behind the room for
-    /// hits, whether these are kept or not.
+    /// The bytes of the reflected and refracted radiance, of the hits of first samples, and of the counts of rays.
+    /// Counts lie after the room for hits, whether or not hits are kept.
     fn secondary_bytes(&self) -> u64 {
         let hits = if self.hits || self.rays { plan_bytes(self.size) * HIT_WORDS } else { 0 };
         self.shadow_bytes() + hits
@@ -166,7 +166,7 @@ fn buffer(bytes: u64, usage: wgpu::BufferUsages) -> Option<PartKind> {
 }
 
 impl Rounds {
-    /// How many there are at an output size, m × m samples to a window.
+    /// The number of rounds at an output size, with m × m samples to a window.
     pub fn count(self, size: [u32; 2], m: u32) -> u32 {
         match self {
             Self::Once => 1,
@@ -177,14 +177,15 @@ impl Rounds {
 }
 
 impl PassInfo {
-    /// The workgroups that an entry point of this pass gets at an output size, m × m samples to a window. `None` where only the GPU
-    /// knows ([`Grid::Indirect`]), where the frame's constants say ([`Grid::AuditedTiles`]), and where a triangle is drawn.
+    /// The number of workgroups, along x, y and z, of an entry point of this pass at an output size, with m × m samples
+    /// to a window. `None` for numbers that are computed on the GPU ([`Grid::Indirect`]) or follow from the frame's
+    /// constants ([`Grid::AuditedTiles`]), and if a triangle is drawn.
     pub fn workgroups(&self, grid: Grid, size: [u32; 2], m: u32) -> Option<[u32; 3]> {
         workgroups(grid, size, m, self.lattice, None)
     }
 }
 
-/// [`PassInfo::workgroups`] of a frame that audits these tiles.
+/// [`PassInfo::workgroups`] for a frame that audits these tiles.
 pub(crate) fn workgroups(
     grid: Grid,
     size: [u32; 2],
@@ -206,7 +207,7 @@ pub(crate) fn workgroups(
         Grid::Cells => {
             let [own, parents] = lattice?;
             let nested = own.pattern == parents.pattern && own.level + 1 == parents.level;
-            // Of triangles there is one more in a row.
+            // A row of triangles has one more cell.
             let cells = |points: u32| if nested { points / 2 + 2 } else { points };
             lattice::points(size, own).map(|points| cells(points).div_ceil(TILE))
         }

@@ -1,4 +1,4 @@
-//! A pass at its place in a frame.
+//! A pass at its position in a frame.
 
 use crate::gpu::binding::PassData;
 use crate::gpu::uniforms::casting::CastSamples;
@@ -10,19 +10,19 @@ use crate::settings::Settings;
 /// A pass of the frame, in the order in which [`DeferredAa::passes`](crate::DeferredAa::passes) yields it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pass {
-    /// What it is called, runs, reads and writes.
+    /// The name of the pass, its entry points, and the resources that it reads and writes.
     pub info: PassInfo,
     pub(crate) step: Step,
     pub(crate) index: usize,
 }
 
-/// A pass, and what it works on.
+/// A pass and the samples or lattice that it works on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Step {
     pub pass: &'static PassData,
     /// The samples that it casts rays from.
     pub samples: Option<CastSamples>,
-    /// The place among the lattices that it works on.
+    /// The position among the lattices of the one that it works on.
     pub lattice: Option<LatticeStep>,
 }
 
@@ -46,7 +46,7 @@ impl Step {
         of_level.or(self.pass.names.first()).copied().unwrap_or_default()
     }
 
-    /// In a frame with these inputs from rays.
+    /// The public description of the step in a frame with these ray results.
     pub fn info(&self, settings: &Settings, inputs: RayInputs) -> PassInfo {
         PassInfo {
             name: self.name(),

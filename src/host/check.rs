@@ -1,32 +1,32 @@
-//! What in a host's input is probably a mistake, and how to mend it.
+//! Probable mistakes in a host's input, and how to correct them.
 
 use crate::wgsl;
 use std::fmt;
 
-/// A probable mistake in what a host hands over. Shares are of the samples that could be judged, 0 to 1.
+/// A probable mistake in a host's input. Shares are 0 to 1, of the samples that could be judged.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum InputMistake {
-    /// The camera's projection gives near points the lesser depth.
+    /// The camera's projection gives nearer points the lesser depth.
     #[error(
         "Frame::camera has a projection whose depth grows with the distance; use a reversed one, 1 at the near plane and 0 far away"
     )]
     ProjectionNotReversed,
     /// Most surfaces lie at the near plane.
     #[error(
-        "{:.0} % of the samples have a depth above 0.9: all at the near plane; render with a reversed projection, clear depth to 0 and write where greater",
+        "{:.0} % of the samples have a depth above 0.9, near the near plane; render with a reversed projection, clear depth to 0 and compare with Greater",
         share * 100.0
     )]
     DepthNotReversed {
-        /// Of all samples.
+        /// The share of all samples.
         share: f32,
     },
-    /// Depth is no number in 0 to 1.
+    /// Depths are NaN or outside 0 to 1.
     #[error(
         "{samples} samples have a depth that is not in 0 to 1; write the depth of the rasteriser, with its viewport's 0 to 1"
     )]
     DepthOutOfRange {
-        /// So many.
+        /// The number of such samples.
         samples: u32,
     },
     /// Positions lie behind the eye.
@@ -34,65 +34,65 @@ pub enum InputMistake {
         "{samples} samples lie behind the camera; give Frame::camera the projection that the G-buffer was rendered with"
     )]
     BehindCamera {
-        /// So many.
+        /// The number of such samples.
         samples: u32,
     },
-    /// All normals have the code 0, which no host wrote.
+    /// Most normals have the code 0, to which the targets are cleared.
     #[error("{which} is 0 in {:.0} % of the samples; set it before daa_pack, and write all colour targets", share * 100.0)]
     NormalsUnset {
-        /// Of `DaaFragment`.
+        /// The normal of `DaaFragment`.
         which: Normal,
-        /// Of surfaces whose depth shows how they lie.
+        /// The share of the surfaces whose orientation follows from depth.
         share: f32,
     },
-    /// Normals fit once they are turned from view space to the world.
-    #[error("{which} is in view space in {:.0} % of the samples; give daa_pack world space", share * 100.0)]
+    /// Most normals fit the surface after a transform from view space to world space.
+    #[error("{which} is in view space in {:.0} % of the samples; pass daa_pack a normal in world space", share * 100.0)]
     NormalsInViewSpace {
-        /// Of `DaaFragment`.
+        /// The normal of `DaaFragment`.
         which: Normal,
-        /// Of surfaces whose depth shows how they lie.
+        /// The share of the surfaces whose orientation follows from depth.
         share: f32,
     },
     /// Normals face away from the viewer.
-    #[error("{which} faces away from the viewer in {:.0} % of the samples; flip it on back faces, and cull as you wind", share * 100.0)]
+    #[error("{which} faces away from the viewer in {:.0} % of the samples; flip it on back faces, and check that the winding order fits the culling", share * 100.0)]
     NormalsFlipped {
-        /// Of `DaaFragment`.
+        /// The normal of `DaaFragment`.
         which: Normal,
-        /// Of surfaces whose depth shows how they lie.
+        /// The share of the surfaces whose orientation follows from depth.
         share: f32,
     },
-    /// Normals are not those of the surfaces.
+    /// Normals do not fit the surfaces.
     #[error(
         "{which} is more than 45° off the surface in {:.0} % of the samples; give daa_pack world space, from -1 to 1 and not from 0 to 1, and Frame::camera the G-buffer's camera",
         share * 100.0
     )]
     NormalsOff {
-        /// Of `DaaFragment`.
+        /// The normal of `DaaFragment`.
         which: Normal,
-        /// Of surfaces whose depth shows how they lie.
+        /// The share of the surfaces whose orientation follows from depth.
         share: f32,
     },
     /// Gradients are 0 where uv differs.
     #[error("ddx and ddy are 0 in {:.0} % of the samples whose uv differs; set them to dpdx(uv) and dpdy(uv)", share * 100.0)]
     GradientsMissing {
-        /// Of neighbours whose uv differs.
+        /// The share of neighbours whose uv differs.
         share: f32,
     },
     /// Gradients are m times too large.
     #[error(
-        "ddx and ddy are {m} times what uv says in {:.0} % of the samples: per pixel; give those per sample, as dpdx and dpdy have them",
+        "ddx and ddy are {m} times the change of uv in {:.0} % of the samples, as if they were per pixel; set them per sample, as dpdx and dpdy return them",
         share * 100.0
     )]
     GradientsPerPixel {
-        /// Of the node.
+        /// The number of samples along one side of a window.
         m: u32,
-        /// Of neighbours whose uv differs.
+        /// The share of neighbours whose uv differs.
         share: f32,
     },
-    /// Gradients are something else.
+    /// Gradients do not fit the change of uv.
     #[error("ddx and ddy do not fit uv in {:.0} % of the samples; set them to dpdx(uv) and dpdy(uv) of the uv that is packed", share * 100.0)]
     GradientsOff {
-        /// Of neighbours whose uv differs.
+        /// The share of neighbours whose uv differs.
         share: f32,
     },
     /// All objects have the id 0, though there is more than one surface.
@@ -100,12 +100,12 @@ pub enum InputMistake {
         "DaaFragment::object is 0 everywhere, though surfaces lie one behind another; give objects that touch ids of their own"
     )]
     ObjectsUnset,
-    /// The host's WGSL encodes for the display, and so does the target.
+    /// Both the host's WGSL and the target encode for the display.
     #[error(
         "the host's WGSL encodes its radiance (an exponent of 1/2.2 or 1/2.4), and the target is {target:?}, which encodes again; return linear radiance"
     )]
     EncodedTwice {
-        /// Of the node.
+        /// The target format of the node.
         target: wgpu::TextureFormat,
     },
 }
@@ -113,9 +113,9 @@ pub enum InputMistake {
 /// A normal of `DaaFragment`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Normal {
-    /// `normal`.
+    /// `DaaFragment::normal`.
     Shading,
-    /// `geometric_normal`.
+    /// `DaaFragment::geometric_normal`.
     Geometric,
 }
 
@@ -128,58 +128,58 @@ impl fmt::Display for Normal {
     }
 }
 
-/// What was counted of a normal, over [`InputCounts::planes`].
+/// The counts of a normal, of [`InputCounts::planes`] samples.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct NormalCounts {
-    /// Within 45° of the surface, on the side that is seen.
+    /// The number of normals within 45° of the surface, on the visible side.
     pub fits: u32,
-    /// With the code 0.
+    /// The number of normals with the code 0.
     pub unset: u32,
-    /// Fits once it is taken from view space to the world.
+    /// The number of normals that fit after a transform from view space to world space.
     pub in_view: u32,
-    /// Within 45° of the surface, on its other side.
+    /// The number of normals within 45° of the surface, on its other side.
     pub flipped: u32,
 }
 
-/// What was counted in a G-buffer, in samples. `daa_input` of check.wgsl.
+/// The counts of a G-buffer in samples: `daa_input` of check.wgsl.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct InputCounts {
-    /// With a surface.
+    /// The number of samples with a surface.
     pub covered: u32,
-    /// With a depth that is no number, or not in 0 to 1.
+    /// The number of samples whose depth is NaN or outside 0 to 1.
     pub bad_depth: u32,
-    /// With a depth above 0.9, of a perspective camera.
+    /// The number of samples with a depth above 0.9, under a perspective camera.
     pub near: u32,
-    /// That lie behind a perspective camera.
+    /// The number of samples behind a perspective camera.
     pub behind: u32,
-    /// With an object id that is not 0.
+    /// The number of samples with an object id other than 0.
     pub objects: u32,
-    /// Whose right neighbour is nearer or farther by a tenth.
+    /// The number of samples whose right neighbour is nearer or farther by a tenth.
     pub steps: u32,
-    /// Whose neighbours of the same surface show how it lies.
+    /// The number of samples whose neighbours on the same surface show its orientation.
     pub planes: u32,
-    /// Of `DaaFragment::normal`.
+    /// The counts of `DaaFragment::normal`.
     pub normal: NormalCounts,
-    /// Of `DaaFragment::geometric_normal`.
+    /// The counts of `DaaFragment::geometric_normal`.
     pub geometric_normal: NormalCounts,
-    /// Neighbours of one surface whose uv differs.
+    /// The number of neighbours on one surface whose uv differs.
     pub slopes: u32,
-    /// Of these, with a gradient that says so.
+    /// The number of these whose gradients fit the difference.
     pub gradient_fits: u32,
-    /// With a gradient of 0.
+    /// The number of these with gradients of 0.
     pub gradient_missing: u32,
-    /// With one that is m times too large.
+    /// The number of these whose gradients are m times too large.
     pub gradient_per_pixel: u32,
     padding: u32,
 }
 
-/// Fewer samples say nothing.
+/// The least number of samples to judge from.
 const ENOUGH: u32 = 64;
 
 impl InputCounts {
-    /// What is probably wrong in a G-buffer of so many samples, m × m to a window.
+    /// The probable mistakes in a G-buffer with this number of samples, m × m to a window.
     pub fn mistakes(&self, samples: u64, m: u32) -> Vec<InputMistake> {
         let mut found = Vec::new();
         let share = |part: u32, of: u64| part as f32 / of.max(1) as f32;
@@ -191,7 +191,7 @@ impl InputCounts {
         }
         let near = share(self.near, samples);
         if near > 0.5 {
-            // Nothing that follows from depth means anything then.
+            // With such depths, no other check that uses depth means anything.
             found.push(InputMistake::DepthNotReversed { share: near });
             return found;
         }
@@ -231,16 +231,16 @@ impl NormalCounts {
     }
 }
 
-/// What the newest check has found.
+/// The result of a check.
 #[derive(Debug, Clone, PartialEq)]
 pub struct InputReport {
-    /// Most likely none.
+    /// The probable mistakes, none if the input is right.
     pub mistakes: Vec<InputMistake>,
-    /// What of them the G-buffer shows.
+    /// The counts of the G-buffer from which mistakes are judged.
     pub counts: InputCounts,
 }
 
-/// Whether WGSL takes a power that encodes for a display: an exponent of 1/2.2 or 1/2.4, however written.
+/// Whether WGSL encodes for a display: whether it has the exponent 1/2.2 or 1/2.4, however it is written.
 pub(crate) fn encodes(source: &str) -> bool {
     let tokens: Vec<&str> = wgsl::tokens(source).into_iter().map(|(_, token)| token.trim_end_matches('f')).collect();
     let quotient = |t: &[&str]| matches!(t, ["1", "/", "2", ".", "2" | "4"]);
@@ -253,14 +253,14 @@ pub(crate) fn encodes(source: &str) -> bool {
 mod tests {
     use super::*;
 
-    /// A rasteriser clamps depth, so that no G-buffer of a test's has such a one.
+    /// A rasteriser clamps depth, so no rendered G-buffer can test this.
     #[test]
     fn depth_out_of_range_is_named() {
         let counts = InputCounts { bad_depth: 3, ..Default::default() };
         assert_eq!(counts.mistakes(100, 2), [InputMistake::DepthOutOfRange { samples: 3 }]);
     }
 
-    /// What decides is a half, and too few samples decide nothing.
+    /// A mistake needs more than half of the samples, and a least number of them.
     #[test]
     fn some_samples_that_do_not_fit_are_no_mistake() {
         let normal = NormalCounts { fits: 50, flipped: 50, ..Default::default() };

@@ -1,4 +1,4 @@
-//! What can go wrong, where, and what to do about it.
+//! The errors of the public interface. Each says what is wrong, where, and what to do about it.
 
 use crate::host::graph::Part;
 use crate::rays::RayTier;
@@ -15,7 +15,7 @@ pub enum BuildError {
     /// The device lacks what the descriptor asks for.
     #[error("the device lacks {}; request Requirements::features and ::limits with it, or choose another tier", .0.join(", "))]
     Missing(Vec<String>),
-    /// The target's format can't be rendered to as floating point colour.
+    /// The target's format can't be rendered to as floating-point colour.
     #[error(
         "target format {0:?} can't hold a colour image; choose a renderable float or normalised format, such as Rgba8UnormSrgb or Rgba16Float"
     )]
@@ -23,34 +23,31 @@ pub enum BuildError {
     /// The host's WGSL is wrong.
     #[error(transparent)]
     Shading(#[from] ShadingError),
-    /// A pass that this frame does not have.
-    #[error("the pass '{0}' is not of this frame; take DeferredAa::passes of the frame's own settings and needs")]
-    ForeignPass(&'static str),
-    /// A pipeline was refused.
+    /// The driver or wgpu refused a pipeline.
     #[error(transparent)]
     Pipeline(#[from] PipelineError),
 }
 
-/// The driver or wgpu refused a pipeline, mostly because the host's bind group layout does not fit its WGSL.
+/// The driver or wgpu refused a pipeline, usually because the host's bind group layout does not fit its WGSL.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("pass '{pass}' could not be compiled: {message}; hold the host's bind group layout against its WGSL")]
+#[error("pass '{pass}' could not be compiled: {message}; compare the host's bind group layout with its WGSL")]
 pub struct PipelineError {
-    /// The pass.
+    /// The name of the pass.
     pub pass: &'static str,
-    /// What wgpu said, in one line.
+    /// The message of wgpu, in one line.
     pub message: String,
 }
 
-/// [`DeferredAa::resize`](crate::DeferredAa::resize) was asked for a size that can't be had.
+/// [`DeferredAa::resize`](crate::DeferredAa::resize) can't provide the size.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SizeError {
-    /// A side is 0.
+    /// The width or the height is 0.
     #[error("{width}×{height} has no pixels; skip the frame while the window is minimised")]
     Empty {
-        /// Pixels.
+        /// The width of the output in pixels.
         width: u32,
-        /// Pixels.
+        /// The height of the output in pixels.
         height: u32,
     },
     /// The G-buffer does not fit the device's limits.
@@ -60,27 +57,27 @@ pub enum SizeError {
         u64::from(*.width) * u64::from(*.m), u64::from(*.height) * u64::from(*.m)
     )]
     TooLarge {
-        /// Pixels.
+        /// The width of the output in pixels.
         width: u32,
-        /// Pixels.
+        /// The height of the output in pixels.
         height: u32,
-        /// Samples a side of a window.
+        /// The number of samples along one side of a window.
         m: u32,
-        /// `max_texture_dimension_2d` of the device.
+        /// The device's `max_texture_dimension_2d`.
         limit: u32,
     },
-    /// A buffer of one word a pixel does not fit the device's limits.
+    /// A buffer of one word per pixel exceeds the device's limits.
     #[error(
         "{width}×{height} needs a buffer of {bytes} bytes, the device binds {limit}; request a greater max_storage_buffer_binding_size"
     )]
     Buffer {
-        /// Pixels.
+        /// The width of the output in pixels.
         width: u32,
-        /// Pixels.
+        /// The height of the output in pixels.
         height: u32,
-        /// What the plan of this size takes.
+        /// The bytes of the plan at this size.
         bytes: u64,
-        /// What the device binds.
+        /// The most bytes that the device binds.
         limit: u64,
     },
     /// The device is out of memory.
@@ -88,102 +85,104 @@ pub enum SizeError {
         "the device has no memory for {bytes} bytes of {width}×{height} at m = {m}: {message}; lower m or the size"
     )]
     OutOfMemory {
-        /// Pixels.
+        /// The width of the output in pixels.
         width: u32,
-        /// Pixels.
+        /// The height of the output in pixels.
         height: u32,
-        /// Samples a side of a window.
+        /// The number of samples along one side of a window.
         m: u32,
-        /// What was asked for in all.
+        /// The bytes requested in all.
         bytes: u64,
-        /// What wgpu said.
+        /// The message of wgpu.
         message: String,
     },
 }
 
-/// [`DeferredAa::lend`](crate::DeferredAa::lend) took nothing: all is as it was.
+/// [`DeferredAa::lend`](crate::DeferredAa::lend) refused the memory. Earlier loans stay in place.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LendError {
     /// No [`resize`](crate::DeferredAa::resize) has succeeded yet.
     #[error("the node has no size yet; call resize before lend")]
     NoSize,
-    /// Its content is not the frame's alone.
+    /// The content of the part is kept across frames or belongs to the host.
     #[error("{0:?} can't be lent: its content lives across frames, or is the host's already; leave it out")]
     NotLendable(Part),
-    /// Two loans for one part.
+    /// A part is lent memory twice.
     #[error("{0:?} is lent twice; lend it once")]
     Twice(Part),
-    /// One buffer or texture for two parts that a pass binds together.
+    /// Two parts that a pass binds together are lent the same buffer or texture.
     #[error("{part:?} and {other:?} are lent the same memory, but passes bind both at once; lend each its own")]
     Together {
-        /// The later one.
+        /// The later of the two parts in the list.
         part: Part,
-        /// The one before.
+        /// The earlier of the two parts in the list.
         other: Part,
     },
-    /// A buffer for a texture, or the other way.
-    #[error("{part:?} is a {needed}; lend it one")]
+    /// A texture is lent for a buffer, or a buffer for a texture.
+    #[error("{part:?} is a {needed}; lend a {needed} for it")]
     Kind {
-        /// What it is lent for.
+        /// The part.
         part: Part,
-        /// `texture` or `buffer`.
+        /// What the part is: `texture` or `buffer`.
         needed: &'static str,
     },
-    /// A texture of another format.
+    /// The texture has another format than the part.
     #[error("{part:?} is lent a texture of {lent:?}; it needs {needed:?}")]
     Format {
-        /// What it is lent for.
+        /// The part.
         part: Part,
-        /// Of the texture.
+        /// The format of the texture.
         lent: wgpu::TextureFormat,
-        /// Of the part.
+        /// The format of the part.
         needed: wgpu::TextureFormat,
     },
-    /// A texture of another shape.
-    #[error("{part:?} needs a 2D texture of {width}×{height} with one layer, mip level and sample; lend it such a one")]
+    /// The texture has another size or shape than the part.
+    #[error(
+        "{part:?} needs a 2D texture of {width}×{height} with one layer, mip level and sample; lend such a texture"
+    )]
     Extent {
-        /// What it is lent for.
+        /// The part.
         part: Part,
-        /// Texels.
+        /// The width that the part needs, in texels.
         width: u32,
-        /// Texels.
+        /// The height that the part needs, in texels.
         height: u32,
     },
-    /// A texture that lacks usages.
+    /// The texture lacks usages.
     #[error("{part:?} is lent a texture without {missing:?}; create it with that usage")]
     TextureUsage {
-        /// What it is lent for.
+        /// The part.
         part: Part,
-        /// What it lacks.
+        /// The usages that the texture lacks.
         missing: wgpu::TextureUsages,
     },
-    /// A buffer that lacks usages.
+    /// The buffer lacks usages.
     #[error("{part:?} is lent a buffer without {missing:?}; create it with that usage")]
     BufferUsage {
-        /// What it is lent for.
+        /// The part.
         part: Part,
-        /// What it lacks.
+        /// The usages that the buffer lacks.
         missing: wgpu::BufferUsages,
     },
-    /// A buffer that is too small, or more than the device binds.
+    /// The buffer is smaller than the part, or larger than the device binds.
     #[error("{part:?} is lent {lent} bytes; it needs {needed}, and the device binds {limit} at most")]
     Bytes {
-        /// What it is lent for.
+        /// The part.
         part: Part,
-        /// Of the buffer.
+        /// The bytes of the buffer.
         lent: u64,
-        /// At least.
+        /// The least bytes that the part needs.
         needed: u64,
-        /// At most.
+        /// The most bytes that the device binds.
         limit: u64,
     },
-    /// wgpu refused to bind it, or had no memory for what is not lent any more.
-    #[error("the device refused: {0}; lend what was made by the node's own device")]
+    /// wgpu refused to bind the memory, or had no memory for parts that are no longer lent.
+    #[error("the device refused: {0}; lend resources of the node's own device")]
     Refused(String),
 }
 
-/// [`DeferredAa::record`](crate::DeferredAa::record) recorded nothing.
+/// [`DeferredAa::record`](crate::DeferredAa::record) refused the frame and recorded nothing.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RecordError {
@@ -199,28 +198,28 @@ pub enum RecordError {
     /// Exposure is not a positive number.
     #[error("exposure is {0}; it is a finite factor above 0, 1 if the host has none")]
     Exposure(f32),
-    /// The target is of another size than the node.
+    /// The target has another size than the node.
     #[error(
         "the target is {target_width}×{target_height}, the node {width}×{height}; call resize with the target's size"
     )]
     TargetSize {
-        /// Of the target.
+        /// The width of the target.
         target_width: u32,
-        /// Of the target.
+        /// The height of the target.
         target_height: u32,
-        /// Of the node.
+        /// The width of the node's output.
         width: u32,
-        /// Of the node.
+        /// The height of the node's output.
         height: u32,
     },
-    /// The target is of another format than the descriptor's.
+    /// The target has another format than the descriptor.
     #[error(
         "the target is {target:?}, the node writes {node:?}; build the node with Descriptor::target_format = {target:?}"
     )]
     TargetFormat {
-        /// Of the target.
+        /// The format of the target.
         target: wgpu::TextureFormat,
-        /// Of the descriptor.
+        /// The format of the descriptor.
         node: wgpu::TextureFormat,
     },
     /// The target lacks `RENDER_ATTACHMENT`.
@@ -229,163 +228,168 @@ pub enum RecordError {
     /// The target is multisampled.
     #[error("the target has {0} samples a pixel, the node writes one; render into a texture with sample_count = 1")]
     TargetSamples(u32),
-    /// The host's WGSL has a group, the frame has none.
+    /// The node was built with a bind group layout, but the frame has no bind group.
     #[error("the host's WGSL was built with a bind group layout, the frame has no host_bind_group; set it")]
     HostBindGroup,
-    /// The descriptor has a texture tier, the frame has no table.
+    /// The descriptor has a texture tier, but the frame has no texture table.
     #[error(
         "the node was built with a texture tier, the frame has no table; set Frame::textures, an empty table if there are none"
     )]
     Textures,
-    /// A list is too large.
+    /// A list exceeds the device's limits or memory.
     #[error(
         "{} at {width}×{height}, m = {m} lists up to {bytes} bytes: {why}; {}",
         execution.map_or("Selective".into(), |e| format!("{e:?}")),
         if execution.is_some() { "use Execution::Tiled or Loop, which list nothing" } else { "use a smaller size or m" }
     )]
     List {
-        /// Whose list; `None`: that of [`Technique::Selective`](crate::Technique::Selective).
+        /// The execution that builds the list; `None` for the list of
+        /// [`Technique::Selective`](crate::Technique::Selective).
         execution: Option<Execution>,
-        /// Of the node.
+        /// The width of the node's output.
         width: u32,
-        /// Of the node.
+        /// The height of the node's output.
         height: u32,
-        /// Of the node.
+        /// The number of samples along one side of a window.
         m: u32,
-        /// Of its largest buffer, or of all if memory ran out.
+        /// The bytes of the largest buffer, or of all buffers if memory ran out.
         bytes: u64,
-        /// The limit that it exceeds, or what the driver said.
+        /// The limit that is exceeded, or the message of the driver.
         why: String,
     },
-    /// The frame needs rays, the node was built without.
+    /// The frame needs rays, but the node was built without them.
     #[error("the frame asks for rays, the node was built without them; set Descriptor::rays")]
     NoRays,
-    /// The frame needs rays and brings no scene for them.
+    /// The frame needs rays, but has no scene to trace them in.
     #[error("the frame asks for rays, but has no scene for them; set Needs::rays")]
     NoRayScene,
-    /// The frame has materials that send rays, the host's WGSL does not say which.
+    /// The frame has materials that send rays, but the host's WGSL has no `bounce`.
     #[error(
         "the frame has materials that reflect or refract, but the host's WGSL has no `fn bounce(s: DaaSample) -> DaaBounce`; write it, or leave Needs::bounces empty"
     )]
     NoBounce,
-    /// The scene for rays is for another tier.
+    /// The ray scene was made for another tier than the node.
     #[error(
         "the scene for rays was made for RayTier::{scene:?}, the node for RayTier::{node:?}; make it with the node's tier"
     )]
     RayTier {
-        /// Of the scene.
+        /// The tier of the scene.
         scene: RayTier,
-        /// Of the descriptor.
+        /// The tier of the descriptor.
         node: RayTier,
     },
-    /// The scene for rays was updated for another camera.
+    /// The ray scene was updated for another camera position.
     #[error(
         "the scene for rays was updated for a camera at {scene}, the frame's is at {camera}; call RayScene::update with it"
     )]
     RayCamera {
-        /// Where the scene has it.
+        /// The camera position that the scene was updated for.
         scene: glam::Vec3,
-        /// Where the frame has it.
+        /// The camera position of the frame.
         camera: glam::Vec3,
     },
-    /// More lights than bits.
+    /// More lights cast shadows than a word has bits.
     #[error("{lights} lights cast shadows; {limit} can, so leave some out of Needs::shadows")]
     CastingLights {
-        /// How many.
+        /// The number of lights in [`Needs::shadows`](crate::Needs::shadows).
         lights: usize,
-        /// Most.
+        /// The most lights that can cast shadows.
         limit: usize,
     },
-    /// A light is nowhere.
+    /// A light's position or direction is not finite, or the direction is 0.
     #[error("light {0} of Needs::shadows is not finite, or has no direction")]
     CastingLight(usize),
-    /// A material is beyond what a G-buffer holds.
+    /// A material index is beyond the range of the G-buffer.
     #[error("Needs::textured[{index}] is {material}; the G-buffer holds materials below 65536")]
     TexturedMaterial {
-        /// Its place in the list.
+        /// The index into the list.
         index: usize,
-        /// Its index.
+        /// The material.
         material: u32,
     },
-    /// An object is beyond the table of importances.
+    /// An object id is beyond the range of the G-buffer.
     #[error("Needs::importance[{index}].object is {object}; the table ends at 65535, as the G-buffer's objects do")]
     ImportantObject {
-        /// Its place in the list.
+        /// The index into the list.
         index: usize,
-        /// Its id.
+        /// The object id.
         object: u32,
     },
-    /// An importance is out of its range.
+    /// An importance is out of range.
     #[error("Needs::importance[{index}].importance is {importance}, it must lie in 0 to 1")]
     Importance {
-        /// Its place in the list.
+        /// The index into the list.
         index: usize,
-        /// What it was set to.
+        /// The importance.
         importance: f32,
     },
-    /// What rays find is too large.
+    /// The ray results exceed the device's limits or memory.
     #[error("rays at {width}×{height}, m = {m} keep {bytes} bytes: {why}; use a smaller size or m")]
     Traces {
-        /// Of the node.
+        /// The width of the node's output.
         width: u32,
-        /// Of the node.
+        /// The height of the node's output.
         height: u32,
-        /// Of the node.
+        /// The number of samples along one side of a window.
         m: u32,
-        /// Of its buffer.
+        /// The bytes of the buffer.
         bytes: u64,
-        /// The limit that it exceeds, or what the driver said.
+        /// The limit that is exceeded, or the message of the driver.
         why: String,
     },
-    /// A lattice begins with cells that the image is smaller than.
+    /// The cells of the coarsest lattice are larger than the image.
     #[error(
         "multi_resolution.{lattice}.coarsest is {coarsest}: cells of {} pixels don't fit {width}×{height}; {most} does",
         1 << coarsest
     )]
     Coarsest {
-        /// `shading` or `rays`.
+        /// The setting: `shading` or `rays`.
         lattice: &'static str,
-        /// What it was set to.
+        /// The value of the setting.
         coarsest: u32,
-        /// Of the node.
+        /// The width of the node's output.
         width: u32,
-        /// Of the node.
+        /// The height of the node's output.
         height: u32,
-        /// The greatest that fits.
+        /// The greatest value that fits.
         most: u32,
     },
-    /// A shifted lattice at m = 1.
+    /// A lattice with shifted rows is requested at m = 1.
     #[error(
         "multi_resolution.shading.pattern is {0:?}: its rows are shifted by half a pixel, where a node with m = 1 has no sample; \
          use Pattern::Quad, or a node with a larger m"
     )]
     Shifted(Pattern),
-    /// The lattices are too large.
+    /// The lattices exceed the device's limits or memory.
     #[error("lattices at {width}×{height} keep {bytes} bytes: {why}; use a smaller size")]
     Lattices {
-        /// Of the node.
+        /// The width of the node's output.
         width: u32,
-        /// Of the node.
+        /// The height of the node's output.
         height: u32,
-        /// Of all buffers.
+        /// The bytes of all their buffers.
         bytes: u64,
-        /// The limit that one exceeds, or what the driver said.
+        /// The limit that one of them exceeds, or the message of the driver.
         why: String,
     },
-    /// What was lent is too small for this frame.
-    #[error("{part:?} was lent {lent} bytes, this frame needs {needed}; lend as much, or none")]
+    /// The memory lent for a part is too small for this frame.
+    #[error(
+        "{part:?} was lent {lent} bytes, this frame needs {needed}; lend at least that many bytes, or withdraw the loan"
+    )]
     Lent {
-        /// What it was lent for.
+        /// The part.
         part: Part,
-        /// Of the buffer.
+        /// The bytes of the lent buffer.
         lent: u64,
-        /// At least.
+        /// The least bytes that the part needs in this frame.
         needed: u64,
     },
-    /// A pass that this frame does not have.
-    #[error("the pass '{0}' is not of this frame; take DeferredAa::passes of the frame's own settings and needs")]
+    /// The pass is not part of this frame.
+    #[error(
+        "the pass '{0}' is not part of this frame; record DeferredAa::passes of the frame's own settings and needs"
+    )]
     ForeignPass(&'static str),
-    /// A pipeline was refused.
+    /// The driver or wgpu refused a pipeline.
     #[error(transparent)]
     Pipeline(#[from] PipelineError),
 }
@@ -401,31 +405,32 @@ fn camera_mend(part: &str) -> &'static str {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TableError {
-    /// More classes of size, format, mips and sampler than the tier has array textures.
+    /// The textures fall into more classes than the array tier has arrays, or have more samplers than the binding tier
+    /// has.
     #[error(
         "the textures fall into {classes} classes of size, format, mip count and sampler, the array tier has {most}; \
          resize some to a common size, or use the binding tier"
     )]
     Classes {
-        /// How many there are.
+        /// The number of classes, or of samplers.
         classes: usize,
-        /// How many there may be.
+        /// The most that the tier has.
         most: usize,
     },
-    /// More textures than the table holds.
+    /// There are more textures than the table holds.
     #[error("{textures} textures, the table holds {most}; raise Descriptor::texture_capacity")]
     Capacity {
-        /// How many there are.
+        /// The number of textures.
         textures: usize,
-        /// How many there may be.
+        /// The most textures that the table holds.
         most: usize,
     },
-    /// A texture of the wrong kind.
+    /// A texture can't be used in the table.
     #[error("texture {index} {problem}")]
     Texture {
-        /// Its place in the list.
+        /// The index into the list.
         index: usize,
-        /// What is wrong and what to do.
+        /// What is wrong, and what to do.
         problem: String,
     },
     /// The node has no texture tier.
@@ -433,14 +438,14 @@ pub enum TableError {
     NoTier,
 }
 
-/// The host's WGSL is wrong, at a place in its own file.
+/// An error in the host's WGSL, at a position in its own file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ShadingError {
-    /// As given in [`Shading::file`](crate::Shading::file).
+    /// The file name, as given in [`Shading::file`](crate::Shading::file).
     pub file: String,
-    /// From 1; 0 if the error is about the file as a whole.
+    /// The line, from 1; 0 if the error concerns the whole file.
     pub line: u32,
-    /// From 1, in characters; 0 if the error is about the file as a whole.
+    /// The column in characters, from 1; 0 if the error concerns the whole file.
     pub column: u32,
     /// What is wrong.
     pub kind: ShadingErrorKind,
@@ -450,52 +455,52 @@ pub struct ShadingError {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ShadingErrorKind {
-    /// It does not parse, or a name or a type is wrong.
+    /// The source does not parse, or has a wrong name or type.
     #[error("{0}")]
     Wgsl(String),
-    /// No hook was found.
+    /// The source has no shading function.
     #[error(
         "no shading function; write `fn shade(s: DaaSample) -> vec4f`, or both `fn material(s: DaaSample) -> DaaMaterial` \
          and `fn light(f: DaaSurface, m: DaaMaterial) -> vec4f`"
     )]
     NoHook,
-    /// One half of the split hook.
+    /// The source has only one of `material` and `light`.
     #[error("`{have}` without `{missing}`; write both, or one `fn shade(s: DaaSample) -> vec4f`")]
     HalfHook {
-        /// What is there.
+        /// The function that is there.
         have: &'static str,
-        /// What is not.
+        /// The function that is missing.
         missing: &'static str,
     },
-    /// Both kinds of hook.
+    /// The source has `shade` as well as `material` or `light`.
     #[error("both `shade` and `material` or `light`; keep one way of shading, rename the other")]
     TwoHooks,
-    /// A hook has the wrong signature.
+    /// A function that the crate calls has the wrong signature.
     #[error("`{name}` must be `{expected}`")]
     Signature {
-        /// The function.
+        /// The name of the function.
         name: &'static str,
-        /// How it must read.
+        /// The signature that it must have.
         expected: &'static str,
     },
-    /// A name of the crate's.
+    /// The source declares a name that is reserved for the crate.
     #[error("`{0}` is a name of deferred-aa's; names that begin with daa_, Daa or DAA_ are reserved, rename it")]
     ReservedName(String),
-    /// A built-in name of WGSL that the crate's own chunks use, declared anew.
+    /// The source redeclares a built-in of WGSL that the crate's own code uses.
     #[error("`{0}` is a built-in of WGSL that deferred-aa's own code uses; rename this one")]
     Clash(String),
-    /// A binding outside of the host's group.
+    /// The source binds a variable outside the host's group.
     #[error("`{name}` is bound to @group({group}); the host has @group({}) alone, bind it there", crate::HOST_GROUP)]
     Group {
-        /// The variable.
+        /// The name of the variable.
         name: String,
-        /// Its group.
+        /// The group of the variable.
         group: u32,
     },
-    /// An entry point.
+    /// The source has an entry point.
     #[error("`{0}` is an entry point; the crate brings its own, remove @compute, @vertex or @fragment")]
     EntryPoint(String),
-    /// A derivative or an implicit-gradient sample, which no compute shader has.
+    /// The source takes a derivative or samples with implicit gradients, which compute shaders can't.
     #[error("{0}; shading runs in compute: sample with textureSampleGrad or daa_texture and the sample's ddx, ddy")]
     Derivative(String),
 }

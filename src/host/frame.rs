@@ -1,4 +1,4 @@
-//! What one frame gets from the host.
+//! The input of one frame.
 
 use crate::host::error::RecordError;
 use crate::host::needs::Needs;
@@ -6,43 +6,45 @@ use crate::host::table::TextureTable;
 use crate::settings::Settings;
 use glam::{DMat4, DVec4, Mat4, Vec3};
 
-/// Where the scene is seen from.
+/// The camera that a frame is seen from.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
-    /// World from view: rotation and translation, no scale. View space looks along −z, y up.
+    /// The transform from view space to world space: a rotation and a translation, without scale. View space looks
+    /// along −z, with y up.
     pub world_from_view: Mat4,
-    /// The projection that the G-buffer was rendered with, reversed z: 1 at the near plane, 0 at the far plane or at
-    /// infinity.
+    /// The projection that the G-buffer was rendered with, with reversed z: depth is 1 at the near plane and 0 at the
+    /// far plane or at infinity.
     pub clip_from_view: Mat4,
 }
 
-/// One frame to record.
+/// A frame to record.
 #[derive(Debug, Clone, Copy)]
 pub struct Frame<'a> {
     /// The camera that the G-buffer was rendered with.
     pub camera: Camera,
-    /// How to sample. May differ from frame to frame.
+    /// The settings, which may change from frame to frame.
     pub settings: Settings,
-    /// Radiance × exposure is what the luminance metric and the luminance weight see; what is written to the target stays
-    /// unexposed. Above 0; 1 if the host's radiance is about 1 where a picture is bright.
+    /// A finite factor above 0 on radiance, for the metrics and the luminance weight; the image is written unexposed.
+    /// Choose it so that radiance × exposure is about 1 in the bright parts of a picture.
     pub exposure: f32,
-    /// The host's bind group, set at [`HOST_GROUP`](crate::HOST_GROUP) wherever its WGSL runs. Needed if
+    /// The host's bind group, set at [`HOST_GROUP`](crate::HOST_GROUP) in the passes that run its WGSL. Required if
     /// [`new`](crate::DeferredAa::new) was given a layout.
     pub host_bind_group: Option<&'a wgpu::BindGroup>,
-    /// The textures that `daa_texture` reads. Needed if the descriptor has a texture tier.
+    /// The textures that `daa_texture` reads. Required if the descriptor has a texture tier.
     pub textures: Option<&'a TextureTable>,
-    /// The image goes here: the size of the node, the format of the descriptor, usage `RENDER_ATTACHMENT`. A texture that
-    /// differs in sRGB alone is let through, since its view may have the right format and wgpu can't be asked.
+    /// The view that the image is written to. It has the size of the node, the format of the descriptor and the usage
+    /// `RENDER_ATTACHMENT`. The format of its texture may differ in sRGB, since a view may have another format than its
+    /// texture and wgpu does not tell which.
     pub target: &'a wgpu::TextureView,
-    /// What the scene calls for; `Needs::default()` if nothing but shading.
+    /// What the scene needs besides shading; `Needs::default()` for nothing.
     pub needs: Needs<'a>,
-    /// Collect [`Statistics`](crate::Statistics) of this frame: a copy of a few hundred bytes, and timestamps where the
-    /// device has them.
+    /// Whether to collect [`Statistics`](crate::Statistics) of this frame. Costs a copy of a few hundred bytes, and
+    /// timestamps where the device has them.
     pub statistics: bool,
 }
 
 impl<'a> Frame<'a> {
-    /// A frame with the default settings, exposure 1, no group of the host's, no textures, no needs and no statistics.
+    /// A frame with the default settings, exposure 1, and no host bind group, textures, needs or statistics.
     pub fn new(camera: Camera, target: &'a wgpu::TextureView) -> Self {
         Self {
             camera,
@@ -58,7 +60,7 @@ impl<'a> Frame<'a> {
 }
 
 impl Camera {
-    /// Whether depth falls with the distance. Of a sound camera.
+    /// Whether depth falls with distance. The camera must be invertible.
     pub(crate) fn is_reversed(&self) -> bool {
         let depth = |distance: f64| {
             let clip = self.clip_from_view.as_dmat4() * DVec4::new(0.0, 0.0, -distance, 1.0);
@@ -71,8 +73,9 @@ impl Camera {
         self.clip_from_view.row(3) == glam::Vec4::W
     }
 
-    /// Camera-relative position from clip space, the eye and the view direction. Inverted in f64: an infinite projection
-    /// with a small near plane is close to singular in f32.
+    /// The transform from clip space to positions relative to the camera, the camera's position, and its view
+    /// direction. The projection is inverted in f64, since an infinite one with a small near plane is close to singular
+    /// in f32.
     pub(crate) fn relative(&self) -> Result<(Mat4, Vec3, Vec3), RecordError> {
         let clip_from_view = self.clip_from_view.as_dmat4();
         let view_from_clip = clip_from_view.inverse();

@@ -7,9 +7,9 @@
 //! | 2 uv | `Rgba32Uint` | uv as two f32; ∂uv/∂x and ∂uv/∂y as four f16, per sample |
 //! | depth | `Depth32Float` | reversed z: 1 near, 0 at the far plane, where there is only sky |
 //!
-//! A sample has 32 bytes of colour, WebGPU's default limit, and 4 bytes of depth. Gradients are stored, not derived from
-//! neighbouring samples: the rasteriser takes them inside one triangle, so no material or UV seam can smear. Clear colour
-//! and depth to 0, and write depth where it is greater.
+//! A sample has 32 bytes of colour, WebGPU's default limit, and 4 bytes of depth. Gradients are stored, not derived
+//! from neighbouring samples: the rasteriser takes them inside one triangle, so no material or UV seam can smear. Clear
+//! colour and depth to 0, and write depth where it is greater.
 
 /// The formats of the colour targets, in the order of the locations in `DaaGBuffer`.
 pub const COLOR_FORMATS: [wgpu::TextureFormat; 3] =
@@ -21,13 +21,13 @@ pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 /// The size of one sample in bytes, depth included.
 pub const BYTES_PER_SAMPLE: u64 = 36;
 
-/// WGSL for the host's raster shader: `DaaFragment`, `DaaGBuffer` and `fn daa_pack(f: DaaFragment) -> DaaGBuffer`. Join it
-/// with the host's own source and return `daa_pack(..)` from the fragment entry point.
+/// WGSL for the host's raster shader: `DaaFragment`, `DaaGBuffer` and `fn daa_pack(f: DaaFragment) -> DaaGBuffer`. Join
+/// it with the host's own source and return `daa_pack(..)` from the fragment entry point.
 pub const PACK_WGSL: &str =
     concat!(include_str!("../../shaders/shared/octahedral.wgsl"), "\n", include_str!("../../shaders/pack.wgsl"));
 
-/// The attachments to render into, m·width × m·height samples. The node owns them; [`resize`](crate::DeferredAa::resize)
-/// replaces them.
+/// The attachments to render into, m·width × m·height samples. The node owns them;
+/// [`resize`](crate::DeferredAa::resize) replaces them.
 #[derive(Debug, Clone)]
 pub struct GBuffer {
     /// The number of samples along x: m · width.

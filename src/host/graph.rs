@@ -1,9 +1,9 @@
-//! A frame as a host's graph sees it: its resources, the memory that these are made of, and its passes.
+//! A frame as a host's frame graph sees it: its resources, the textures and buffers behind them, and its passes.
 
 use crate::settings::Pattern;
 use std::fmt;
 
-/// A resource of the frame, by the name that [`PassInfo`] lists it under.
+/// A resource of the frame, as [`PassInfo`] lists it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Resource {
@@ -11,27 +11,27 @@ pub enum Resource {
     GBuffer,
     /// The host's bind group and the texture table.
     Host,
-    /// S: the shaded first samples, w×h.
+    /// S, the image of shaded first samples, w×h.
     First,
-    /// The scene for rays.
+    /// The scene that rays are traced in.
     Rays,
-    /// The tiles in which rays are wanted.
+    /// The tiles in which rays are needed.
     Tiles,
-    /// The shadow bits of samples, and what they reflect and refract.
+    /// The ray results: the shadow bits of samples, and the radiance that they reflect and refract.
     Traced,
-    /// k of each window, as the metrics have it.
+    /// The k of each window, as the metrics computed it.
     Counts,
-    /// k of each window, and its place in the tile's list.
+    /// The k of each window and its position in the tile's list.
     Plan,
-    /// The frame's pixels ordered by k, or its samples, as one list.
+    /// The frame's pixels, sorted by k, or its samples, as one list.
     List,
-    /// The points of lattices, and their shaded colours.
+    /// The points of the lattices and their shaded colours.
     Lattice,
     /// The means of windows with k > 1, w×h.
     Color,
-    /// The counters.
+    /// The statistics counters.
     Statistics,
-    /// The host's target.
+    /// The target of the frame.
     Target,
 }
 
@@ -52,23 +52,24 @@ impl Resource {
         Self::Target,
     ];
 
-    /// Whether passes only add to it, in any order to the same sums. Two passes that write it may be swapped, or overlap.
+    /// Whether passes only add to it, so that the sums do not depend on their order. Two passes that write it may be
+    /// swapped or overlap.
     pub fn is_unordered(self) -> bool {
         self == Self::Statistics
     }
 }
 
-/// Some of the [`Resource`]s.
+/// A set of [`Resource`]s.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub struct ResourceSet(u16);
 
 impl ResourceSet {
-    /// Whether the resource is among them.
+    /// Whether the set contains the resource.
     pub fn contains(self, resource: Resource) -> bool {
         self.0 & 1 << resource as u16 != 0
     }
 
-    /// The resources, in the order of [`Resource`].
+    /// The resources of the set, in the order of [`Resource`].
     pub fn iter(self) -> impl Iterator<Item = Resource> {
         Resource::ALL.into_iter().filter(move |&resource| self.contains(resource))
     }
@@ -86,96 +87,96 @@ impl fmt::Debug for ResourceSet {
     }
 }
 
-/// A texture or a buffer of the node: a [`Resource`] is one or several of them.
+/// A texture or a buffer of the node. A [`Resource`] consists of one or several of them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Part {
-    /// Depth of the G-buffer.
+    /// The depth of the G-buffer.
     GBufferDepth,
-    /// Its first colour target.
+    /// The first colour target of the G-buffer.
     GBufferSurface,
-    /// Its second.
+    /// The second colour target of the G-buffer.
     GBufferFrame,
-    /// Its third.
+    /// The third colour target of the G-buffer.
     GBufferUv,
-    /// Of [`Resource::First`].
+    /// The texture of [`Resource::First`].
     First,
-    /// Of [`Resource::Color`].
+    /// The texture of [`Resource::Color`].
     Color,
-    /// Of [`Resource::Counts`].
+    /// The buffer of [`Resource::Counts`].
     Counts,
-    /// Of [`Resource::Plan`].
+    /// The buffer of [`Resource::Plan`].
     Plan,
-    /// [`Resource::List`] of pixels: where each tile's entries lie.
+    /// The offsets of each tile's entries in the list of pixels ([`Resource::List`]).
     PixelListRows,
-    /// Of pixels: the entries.
+    /// The entries of the list of pixels.
     PixelListEntries,
-    /// Of pixels: its dispatches.
+    /// The indirect dispatches of the list of pixels.
     PixelListWork,
-    /// [`Resource::List`] of samples: where each tile's entries lie.
+    /// The offsets of each tile's entries in the list of samples ([`Resource::List`]).
     SampleListRows,
-    /// Of samples: the entries.
+    /// The entries of the list of samples.
     SampleListEntries,
-    /// Of samples: its dispatches.
+    /// The indirect dispatches of the list of samples.
     SampleListWork,
-    /// Of samples: what they were shaded.
+    /// The shaded colours of the list of samples.
     SampleListColors,
-    /// [`Resource::Lattice`]: why each point was chosen, and what its rays found.
+    /// The points of [`Resource::Lattice`]: why each was chosen, and its ray results.
     LatticePoints,
-    /// What each point was shaded.
+    /// The shaded colours of the points.
     LatticeColors,
-    /// Of [`Resource::Tiles`].
+    /// The buffer of [`Resource::Tiles`].
     Tiles,
-    /// [`Resource::Traced`]: shadow bits.
+    /// The shadow bits of [`Resource::Traced`].
     Shadows,
-    /// What is reflected and refracted.
+    /// The reflected and refracted radiance of [`Resource::Traced`].
     Secondary,
-    /// Of [`Resource::Statistics`].
+    /// The buffer of [`Resource::Statistics`].
     Counters,
-    /// Of [`Resource::Target`].
+    /// The texture of [`Resource::Target`].
     Target,
 }
 
-/// How long the content of a resource lives.
+/// How long the content of a resource is needed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Lifetime {
-    /// The host writes it before the frame, or has it after.
+    /// The host writes it before the frame or reads it after the frame.
     Imported,
-    /// From its first write of a frame to its last read of the same frame: no pass reads what no pass of the frame has written.
-    /// Outside of that its memory may serve for something else.
+    /// From its first write to its last read in the same frame: it is never read before it is written within the frame.
+    /// Outside that time its memory may hold something else.
     Transient {
-        /// [`begin`](crate::DeferredAa::begin) clears it, so that it lives from there.
+        /// Whether [`begin`](crate::DeferredAa::begin) clears it, so that its life starts there.
         from_begin: bool,
     },
-    /// Across frames.
+    /// The content is kept from frame to frame.
     Kept,
 }
 
-/// What memory a part needs.
+/// The memory that a part needs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PartKind {
-    /// A plain 2D texture: one layer, one mip level, one sample a texel.
+    /// A plain 2D texture with one layer, one mip level and one sample per texel.
     Texture {
-        /// Of its texels.
+        /// The format of the texture.
         format: wgpu::TextureFormat,
-        /// Texels.
+        /// The width in texels.
         width: u32,
-        /// Texels.
+        /// The height in texels.
         height: u32,
-        /// At least these.
+        /// The usages that the texture must have; it may have more.
         usage: wgpu::TextureUsages,
     },
     /// A buffer.
     Buffer {
-        /// At least so many.
+        /// The least size in bytes.
         bytes: u64,
-        /// At least these.
+        /// The usages that the buffer must have; it may have more.
         usage: wgpu::BufferUsages,
     },
 }
 
 impl PartKind {
-    /// Bytes, without what the driver adds.
+    /// The size in bytes, without what the driver adds.
     pub fn bytes(&self) -> u64 {
         match *self {
             Self::Texture { format, width, height, .. } => {
@@ -186,16 +187,16 @@ impl PartKind {
     }
 }
 
-/// A part of a frame's resources.
+/// A part of a frame's resources, the memory that it needs and its lifetime.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PartInfo {
-    /// Which.
+    /// The texture or buffer.
     pub part: Part,
-    /// What passes call it.
+    /// The resource that it belongs to in [`PassInfo::reads`] and [`PassInfo::writes`].
     pub resource: Resource,
     /// The memory that it needs.
     pub kind: PartKind,
-    /// How long its content lives.
+    /// How long its content is needed.
     pub lifetime: Lifetime,
 }
 
@@ -225,11 +226,11 @@ impl Part {
         Self::Target,
     ];
 
-    /// In the order of [`GBuffer::color`](crate::GBuffer::color), then depth.
+    /// The parts of the G-buffer, in the order of [`GBuffer::color`](crate::GBuffer::color), then depth.
     pub(crate) const GBUFFER: [Self; 4] =
         [Self::GBufferSurface, Self::GBufferFrame, Self::GBufferUv, Self::GBufferDepth];
 
-    /// The resource that passes list it under.
+    /// The resource that the part belongs to.
     pub const fn resource(self) -> Resource {
         match self {
             Self::GBufferDepth | Self::GBufferSurface | Self::GBufferFrame | Self::GBufferUv => Resource::GBuffer,
@@ -263,18 +264,18 @@ impl Part {
         }
     }
 
-    /// Whether a host may lend memory for it.
+    /// Whether a host may lend memory for the part.
     pub(crate) fn is_lendable(self) -> bool {
         !matches!(self, Self::Counters | Self::Target)
     }
 }
 
-/// What a pass does. Several passes of a frame may be of one kind.
+/// The kind of a pass. Several passes of a frame may have the same kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
 #[non_exhaustive]
 pub enum PassKind {
-    /// Lists the tiles in which rays are wanted.
+    /// Lists the tiles in which rays are needed.
     Classify,
     /// Traces shadow rays.
     Trace,
@@ -282,73 +283,75 @@ pub enum PassKind {
     Bounce,
     /// Shades the first sample of every window.
     First,
-    /// Asks how many samples each window is worth.
+    /// Computes how many samples of each window are shaded.
     Metrics,
     /// Gives every pixel the greatest k of its block.
     MaxFilter,
-    /// Lays out each tile's samples.
+    /// Lays out the samples of each tile.
     Plan,
-    /// Chooses quadrants of pixels.
+    /// Chooses the quadrants of pixels that are shaded.
     Select,
-    /// Lists the frame's pixels or samples.
+    /// Builds the list of the frame's pixels or samples.
     List,
     /// Shades the samples beyond the first.
     Shade,
     /// Shades the samples of active quadrants.
     Quadrants,
-    /// Fills geometric samples from shaded ones.
+    /// Gives geometric samples colours from shaded ones.
     Reconstruct,
-    /// Chooses the points of a lattice that are worth a sample.
+    /// Chooses the points of a lattice that are shaded.
     Refine,
     /// Shades the chosen points of a lattice.
     Points,
-    /// Takes S from the finest lattice.
+    /// Computes S from the finest lattice.
     LatticeToPixels,
     /// Writes the image into the target.
     Resolve,
     /// Writes a debug view into the target.
     View,
-    /// Measures the error of the finished image on some tiles.
+    /// Measures the error of the finished image in some tiles.
     Audit,
-    /// A pass of the host's own. No node has one; it is for hosts that list their times beside the node's.
+    /// Is a pass of the host's own. No node has one; it is for hosts that list their times beside the node's.
     Host,
-    /// Counts what is probably wrong in the G-buffer. Only [`check_input`](crate::DeferredAa::check_input) records it.
+    /// Counts probable mistakes in the G-buffer. Only [`check_input`](crate::DeferredAa::check_input) records it.
     Check,
 }
 
-/// How many workgroups an entry point gets.
+/// The number of workgroups of an entry point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Grid {
-    /// One, alone.
+    /// A single workgroup.
     One,
-    /// One for each tile of 8 × 8 pixels, along x and y.
+    /// One workgroup for each tile of 8 × 8 pixels, along x and y.
     Tiles,
-    /// One for each 64 tiles, counted row by row, along x.
+    /// One workgroup for each 64 tiles, counted row by row, along x.
     TileRuns,
-    /// One for each square of so many pixels along a side, along x and y.
+    /// One workgroup for each square of pixels with this side, along x and y.
     Pixels(u32),
-    /// One for each 8 × 8 samples of the G-buffer, along x and y.
+    /// One workgroup for each 8 × 8 samples of the G-buffer, along x and y.
     Samples,
-    /// One for each k from 2 to n, along x.
+    /// One workgroup for each k from 2 to n, along x.
     Counts,
-    /// One for each audited tile, along x and y: one in so many of each row of tiles, as the frame's constants say.
+    /// One workgroup for each audited tile, along x and y: one in a period of tiles in each row, where the period is in
+    /// the frame's constants.
     AuditedTiles,
-    /// One for each square of so many points along a side of the pass's lattice, along x and y.
+    /// One workgroup for each square of points with this side, along x and y, on the pass's lattice.
     Points(u32),
-    /// One for each 8 × 8 points of the next coarser lattice, along x and y.
+    /// One workgroup for each 8 × 8 points of the next coarser lattice, along x and y.
     Parents,
-    /// One for each 8 × 8 cells of the pass's lattice, along x and y. A cell is a 2 × 2 of points where the coarser lattice is nested in
-    /// it, with two cells more in each row and column, else a point.
+    /// One workgroup for each 8 × 8 cells of the pass's lattice, along x and y. If the coarser lattice is nested in it,
+    /// a cell is a block of 2 × 2 points, and each row and column has two more cells; otherwise a cell is a point.
     Cells,
-    /// As many as stand in a buffer: an indirect dispatch.
+    /// An indirect dispatch: a buffer holds the numbers.
     Indirect {
         /// The buffer.
         part: Part,
-        /// Where in it the three numbers stand in the pass's first round, in bytes. In each later round 256 bytes further on.
+        /// The position of the three numbers in the buffer in the pass's first round, in bytes. Each later round reads
+        /// 256 bytes further on.
         offset: u64,
     },
-    /// None: a triangle that covers the target is drawn.
+    /// No workgroups: a triangle that covers the target is drawn.
     Target,
 }
 
@@ -371,15 +374,15 @@ impl fmt::Display for Grid {
     }
 }
 
-/// How often a pass runs its stages, one after the other.
+/// How often a pass runs its stages one after the other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Rounds {
     /// Once.
     Once,
-    /// Once for each k from 2 to n; its dynamic offset goes 256 bytes further each time.
+    /// Once for each k from 2 to n. Each round adds 256 bytes to its dynamic offset.
     Counts,
-    /// Once for each batch of 2²² samples that the frame may have; its dynamic offset goes 256 bytes further each time.
+    /// Once for each batch of 2²² samples that the frame may have. Each round adds 256 bytes to its dynamic offset.
     Batches,
 }
 
@@ -393,14 +396,15 @@ impl fmt::Display for Rounds {
     }
 }
 
-/// An entry point of a pass, and its workgroups.
+/// An entry point of a pass and its number of workgroups.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Stage {
-    /// The entry point in the pass's module; of a triangle that of its fragments.
+    /// The entry point in the pass's module; for a triangle, the fragment entry point.
     pub entry: &'static str,
-    /// How many workgroups it gets.
+    /// The number of workgroups.
     pub grid: Grid,
-    /// Names of the pass's bindings that this entry point does not use, so that they don't count against the device's limits.
+    /// The names of those bindings of the pass that this entry point does not use, so that they don't count against the
+    /// device's limits.
     pub(crate) without: &'static [&'static str],
 }
 
@@ -410,38 +414,39 @@ impl Stage {
     }
 }
 
-/// The lattice that a pass works on, by its shape.
+/// The shape of a lattice that a pass works on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LatticeShape {
-    /// How its points lie.
+    /// The arrangement of its points.
     pub pattern: Pattern,
-    /// log2 of its pitch in pixels.
+    /// The base-2 logarithm of the distance between its points in pixels.
     pub level: u32,
 }
 
-/// What a pass is called, what it runs, and what it reads and writes.
+/// The name of a pass, its entry points, and the resources that it reads and writes.
 ///
-/// A graph may record passes in another order than [`passes`](crate::DeferredAa::passes) has, as long as for each resource that
-/// is not [unordered](Resource::is_unordered) each write stays behind the reads and writes before it, and each read behind the
-/// writes before it. It may leave out a pass if nobody reads what that writes: behind [`Frame::statistics`] and
-/// [`Settings::goal`](crate::Settings::goal) somebody reads [`Resource::Statistics`].
+/// A graph may record passes in another order than that of [`passes`](crate::DeferredAa::passes) if, for each resource
+/// that is not [unordered](Resource::is_unordered), each write stays after the reads and writes before it, and each
+/// read after the writes before it. It may drop a pass if nothing reads what that pass writes. With
+/// [`Frame::statistics`] or [`Settings::goal`](crate::Settings::goal), [`Resource::Statistics`] is read after the
+/// frame.
 ///
 /// [`Frame::statistics`]: crate::Frame::statistics
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PassInfo {
     /// The name in `stats.json` and in timings, such as `trace 1/4`.
     pub name: &'static str,
-    /// What it does.
+    /// The kind of the pass.
     pub kind: PassKind,
-    /// What must be finished before.
+    /// The resources that it reads. Their writes must be finished before.
     pub reads: ResourceSet,
-    /// What it changes. The rest of a resource stays as earlier passes have written it.
+    /// The resources that it changes. The rest of a resource keeps what earlier passes have written.
     pub writes: ResourceSet,
     /// Its entry points, in the order in which they run.
     pub stages: &'static [Stage],
-    /// How often these run.
+    /// How often the stages run.
     pub rounds: Rounds,
-    /// The lattice that it works on, and the next coarser one, for passes of [`MultiResolution`](crate::Technique::MultiResolution) that
-    /// have one.
+    /// The lattice that it works on and the next coarser one, for passes of
+    /// [`MultiResolution`](crate::Technique::MultiResolution) that work on a lattice.
     pub lattice: Option<[LatticeShape; 2]>,
 }

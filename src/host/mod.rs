@@ -1,4 +1,4 @@
-//! What a host gives and gets: everything public but the node, the settings and the scene for rays.
+//! The types that a host passes in and gets back: everything public except the node, the settings and the ray scene.
 
 pub(crate) mod check;
 pub(crate) mod descriptor;

@@ -1,61 +1,63 @@
-//! What a scene calls for besides shading, and what of it a frame gets.
+//! What a scene needs besides shading: rays, and the marks of materials and objects that `Selective` reads.
 
 use crate::rays::RayScene;
 use crate::settings::{Effect, Settings};
 use glam::Vec3;
 
-/// What the frame's scene calls for. What is not needed is not traced, bound, compiled or allocated.
+/// What the scene of a frame needs besides shading. What is not needed is not traced, bound, compiled or allocated.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Needs<'a> {
-    /// The scene for rays, [updated](RayScene::update) for this frame's camera. Needed if anything below is.
+    /// The scene that rays are traced in, [updated](RayScene::update) for this frame's camera. Required if the frame
+    /// traces any rays.
     pub rays: Option<&'a RayScene>,
-    /// The lights that cast shadows, at most 32: bit i of `DaaSurface::shadow` says that light i of these does not reach the
-    /// surface. Lights that cast none stay out of it.
+    /// The lights that cast shadows, at most 32. Bit i of `DaaSurface::shadow` says that light i of this list does not
+    /// reach the surface. Leave out lights that cast no shadows.
     pub shadows: &'a [CastingLight],
-    /// The materials (of `DaaSample::material`, below 65536) whose surfaces reflect or refract: the host's `bounce` is asked what
-    /// of them. Others send no ray.
+    /// The materials (values of `DaaSample::material`, below 65536) whose surfaces reflect or refract. The host's
+    /// `bounce` is called for these materials; no rays start from others.
     pub bounces: &'a [u32],
-    /// The materials (below 65536) that have a texture: what [`Technique::Selective`](crate::Technique::Selective) calls texture
-    /// existence. Changes no image of the others.
+    /// The materials (below 65536) that have a texture: the texture existence of
+    /// [`Technique::Selective`](crate::Technique::Selective). Other techniques ignore them.
     pub textured: &'a [u32],
-    /// The objects whose attributes count where [`Selective::focused`](crate::Selective::focused) is set, each once; all others
-    /// have 0.
+    /// The objects whose attributes count where [`Selective::focused`](crate::Selective::focused) is set, each at most
+    /// once. All other objects have the importance 0.
     pub importance: &'a [ObjectImportance],
 }
 
-/// How much an object's attributes count.
+/// How much the attributes of an object count.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ObjectImportance {
-    /// Of `DaaSample::object`, below 65536.
+    /// The id of the object: `DaaSample::object`, below 65536.
     pub object: u32,
-    /// 0 to 1, kept in steps of 1/255. 1: by the thresholds of its attributes; 0: as if nothing disagreed, by that of colour; between:
-    /// by what lies between these two.
+    /// The importance, 0 to 1, stored in steps of 1/255. At 1 the thresholds of the attributes apply; at 0 the
+    /// threshold of colour applies, as if no attribute disagreed; in between, a threshold between the two.
     pub importance: f32,
 }
 
-/// Most lights that cast shadows: one for each bit.
+/// The most lights that can cast shadows: one for each bit of a word.
 pub const MAX_CASTING_LIGHTS: usize = 32;
 
-/// A light that casts shadows, as far as rays need to know it. World space.
+/// A light that casts shadows, as far as shadow rays need it. In world space.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum CastingLight {
-    /// The sun: infinitely far.
+    /// An infinitely distant light, such as the sun.
     Directional {
-        /// Towards the light, of any length above 0.
+        /// The direction towards the light, of any length above 0.
         towards: Vec3,
     },
-    /// A lamp, seen as a point.
+    /// A point or spot light.
     Punctual {
-        /// Where.
+        /// The position of the light.
         position: Vec3,
-        /// It is dark beyond; infinite, or 0 or less, if it has no range.
+        /// The distance beyond which the light is dark. Infinity, 0 or a negative value: no limit.
         range: f32,
-        /// The axis in which it shines, and half the angle of its cone in radians; `None`: in all directions.
+        /// The axis of its cone and half the cone's angle in radians; `None` if it shines in all directions.
         cone: Option<(Vec3, f32)>,
     },
 }
 
-/// What rays find for a frame's samples: which buffers group 0 binds, and so which variant of a pipeline serves.
+/// The kinds of ray results that a frame's samples have. They decide which buffers group 0 binds, and so which variant
+/// of a pipeline is used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub(crate) struct RayInputs {
     pub shadows: bool,
@@ -63,9 +65,9 @@ pub(crate) struct RayInputs {
 }
 
 impl RayInputs {
-    /// Combinations.
+    /// The number of combinations.
     pub const COUNT: usize = 4;
-    /// All of them, by [`index`](Self::index).
+    /// All combinations, in the order of [`index`](Self::index).
     pub const ALL: [Self; Self::COUNT] = [
         Self { shadows: false, secondary: false },
         Self { shadows: true, secondary: false },
@@ -86,7 +88,7 @@ impl RayInputs {
         }
     }
 
-    /// Whether it has all that the other has.
+    /// Whether it has everything that `other` has.
     pub fn contains(self, other: Self) -> bool {
         (self.shadows || !other.shadows) && (self.secondary || !other.secondary)
     }
@@ -99,7 +101,7 @@ impl RayInputs {
         self.shadows || self.secondary
     }
 
-    /// `rays` of [`LatticeSteps::new`](crate::gpu::uniforms::lattice::LatticeSteps::new).
+    /// The code that [`LatticeSteps::new`](crate::gpu::uniforms::lattice::LatticeSteps::new) takes as `rays`.
     pub fn code(self) -> u32 {
         u32::from(self.shadows) | u32::from(self.secondary) << 1
     }

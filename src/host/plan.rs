@@ -43,10 +43,10 @@ impl Slots {
 #[repr(transparent)]
 pub struct PlanWord(pub u32);
 
-/// What decided the k of a window.
+/// The reason for the k of a window.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum DecidedBy {
-    /// Nothing asked for more than one sample.
+    /// No metric asked for more than one sample.
     Nothing = 0,
     /// The depth metric.
     Depth = 1,
@@ -54,45 +54,45 @@ pub enum DecidedBy {
     Normal = 2,
     /// The luminance metric.
     Luminance = 3,
-    /// The identity metric: two materials or objects.
+    /// The identity metric: the window has more than one material or object.
     Identity = 4,
-    /// The least k that the settings allow.
+    /// The setting for the least k.
     Least = 5,
-    /// The shadow metric: shadow bits that differ from a neighbour's.
+    /// The shadow metric: the shadow bits differ from those of a neighbour.
     Shadow = 6,
 }
 
 impl DecidedBy {
-    /// All of them, by their numbers.
+    /// All reasons, in the order of their numbers.
     pub const ALL: [Self; 7] =
         [Self::Nothing, Self::Depth, Self::Normal, Self::Luminance, Self::Identity, Self::Least, Self::Shadow];
 }
 
-/// What a threshold of [`Technique::Selective`](crate::Technique::Selective) is for.
+/// The attribute that a threshold of [`Technique::Selective`](crate::Technique::Selective) belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Attribute {
-    /// Colour alone.
+    /// Colour, where no other attribute disagrees.
     Color = 0,
-    /// The object that pixels show.
+    /// The object that the pixels show.
     Object = 1,
-    /// The normal that they show.
+    /// The normal of the surface that the pixels show.
     Normal = 2,
-    /// The shadow on what they show.
+    /// The shadows on the surface that the pixels show.
     Shadow = 3,
-    /// The texture of what they show.
+    /// The texture existence of the surface that the pixel shows.
     Texture = 4,
-    /// The object that they reflect or refract.
+    /// The object that the pixels reflect or refract.
     SecondaryObject = 5,
-    /// The normal of what they reflect or refract.
+    /// The normal of the surface that the pixels reflect or refract.
     SecondaryNormal = 6,
-    /// The shadow on what they reflect or refract.
+    /// The shadows on the surface that the pixels reflect or refract.
     SecondaryShadow = 7,
-    /// The texture of what they reflect or refract.
+    /// The texture existence of the surface that the pixel reflects or refracts.
     SecondaryTexture = 8,
 }
 
 impl Attribute {
-    /// All of them, by their numbers.
+    /// All attributes, in the order of their numbers.
     pub const ALL: [Self; 9] = [
         Self::Color,
         Self::Object,
@@ -107,42 +107,45 @@ impl Attribute {
 }
 
 impl PlanWord {
-    /// Samples of the window that are shaded, 1 to n. 0 beyond the image, and for an interpolated pixel of
-    /// [`Technique::MultiResolution`](crate::Technique::MultiResolution).
+    /// The number of samples of the window that are shaded, 1 to n. 0 outside the image, and for an interpolated pixel
+    /// of [`Technique::MultiResolution`](crate::Technique::MultiResolution).
     pub fn k(self) -> u32 {
         self.0 & 0xff
     }
 
-    /// What decided k. Of [`Technique::Selective`](crate::Technique::Selective) see [`attribute`](Self::attribute) instead.
+    /// The reason for k. For [`Technique::Selective`](crate::Technique::Selective) use [`attribute`](Self::attribute)
+    /// instead.
     pub fn decided_by(self) -> DecidedBy {
         *DecidedBy::ALL.get((self.0 >> 8 & 15) as usize).unwrap_or(&DecidedBy::Nothing)
     }
 
-    /// Of [`Technique::Selective`](crate::Technique::Selective) what the threshold of the first active quadrant is for, `None` if no
-    /// quadrant is active.
+    /// For [`Technique::Selective`](crate::Technique::Selective): the attribute whose threshold applies to the first
+    /// active quadrant, `None` if no quadrant is active.
     pub fn attribute(self) -> Option<Attribute> {
         Attribute::ALL.get((self.0 >> 8 & 15).checked_sub(1)? as usize).copied()
     }
 
-    /// Of [`Technique::MultiResolution`](crate::Technique::MultiResolution) the lattice that the pixel's point was chosen on, or its
-    /// parents': 0 of the pixels, 1 shifted, 2, 3 and 4 of every second, fourth and eighth pixel.
+    /// For [`Technique::MultiResolution`](crate::Technique::MultiResolution): the lattice on which the pixel's point,
+    /// or that of its parents, was chosen. 0 is the lattice of pixels, 1 the shifted one, and 2, 3 and 4 are those of
+    /// every second, fourth and eighth pixel.
     pub fn level(self) -> u32 {
         self.0 >> 12 & 7
     }
 
-    /// Of [`Technique::MultiResolution`](crate::Technique::MultiResolution) whether the pixel's point was shaded, and not interpolated.
+    /// For [`Technique::MultiResolution`](crate::Technique::MultiResolution): whether the pixel's point was shaded
+    /// instead of interpolated.
     pub fn is_own(self) -> bool {
         self.0 & 0x8000 != 0
     }
 
-    /// Samples of the tile, beyond the first ones, that lie before this window's. Not of
+    /// The number of the tile's samples beyond the first ones that come before this window's. Not for
     /// [`Technique::Selective`](crate::Technique::Selective).
     pub fn before(self) -> u32 {
         self.0 >> 16
     }
 
-    /// Of [`Technique::Selective`](crate::Technique::Selective) the active quadrants, a bit each as
-    /// [`window::quadrants`](crate::window::quadrants) has them.
+    /// For [`Technique::Selective`](crate::Technique::Selective): the active quadrants, a bit each in the order of
+    /// [`window::quadrants`](crate::window::quadrants).
     pub fn quadrants(self) -> u32 {
         self.0 >> 16 & 15
     }

@@ -1,39 +1,44 @@
-//! What a node will need, before anything is created.
+//! The requirements of a node, known before anything is created.
 
 use crate::gpu::sizes::{gbuffer_bytes, sample_bytes, scratch_bytes};
 use crate::host::descriptor::Descriptor;
 use crate::host::table::{BINDING_FEATURES, MAX_SAMPLERS, TextureTier};
 use crate::rays::{QUERY_FEATURES, RayTier, query_limits};
 
-/// What [`DeferredAa::new`](crate::DeferredAa::new) will ask of a device, and what this adapter can't give.
+/// What [`DeferredAa::new`](crate::DeferredAa::new) requires of a device, and what this adapter lacks.
 #[derive(Debug, Clone)]
 pub struct Requirements {
-    /// The tier of the descriptor.
+    /// The texture tier of the descriptor.
     pub tier: TextureTier,
-    /// Request these from the adapter; those it lacks are left out.
+    /// The features to request of the adapter. Those that it lacks are left out.
     pub features: wgpu::Features,
-    /// Request at least these.
+    /// The limits to request, or higher ones.
     pub limits: wgpu::Limits,
-    /// What the node can't do without and the adapter lacks. Empty: the node can be built.
+    /// Required features, limits and capabilities that the adapter lacks. Empty: the node can be built.
     pub missing: Vec<String>,
-    /// What works less well here, a line each.
+    /// Optional capabilities that the adapter lacks, with their consequences, a line each.
     pub lost: Vec<String>,
     m: u32,
     rays: bool,
 }
 
-/// Bytes of GPU memory at one size.
+/// GPU memory in bytes, at one output size.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Memory {
     /// The attachments that the host renders into.
     pub gbuffer: u64,
-    /// All else that the node holds, but for the list of an execution that makes one: on its first frame it adds about 4
-    /// bytes a pixel for [`Sorted`](crate::Execution::Sorted) and [`Bucketed`](crate::Execution::Bucketed), and but for 72 KiB of
-    /// [`Selective`](crate::Technique::Selective), and for [`MultiResolution`](crate::Technique::MultiResolution) about 43 bytes a pixel,
-    /// 85 with rays; 75 and 150 with shifted rows.
+    /// The remaining memory of the node, without rays. [`Requirements::memory`] excludes what is only created by the
+    /// first frame that needs it:
+    /// - the list of [`Sorted`](crate::Execution::Sorted) and [`Bucketed`](crate::Execution::Bucketed), about 4 bytes a
+    ///   pixel;
+    /// - the list of [`Packed`](crate::Execution::Packed), 20 bytes for each sample that could be shaded;
+    /// - 72 KiB for [`Selective`](crate::Technique::Selective);
+    /// - the lattices of [`MultiResolution`](crate::Technique::MultiResolution), about 43 bytes a pixel, 85 with rays,
+    ///   and with shifted rows 75 and 150.
     pub scratch: u64,
-    /// What rays find, once a frame traced: 4 bytes a sample for shadows, and 4 for what it reflects and refracts, with 24 more a
-    /// pixel for [`Selective`](crate::Technique::Selective). The scene for rays is the host's: [`RayScene::bytes`](crate::rays::RayScene::bytes).
+    /// Ray results, created by the first frame that traces: 4 bytes a sample for shadows and 4 for reflections and
+    /// refractions, and 24 more a pixel for [`Selective`](crate::Technique::Selective). The scene that is traced
+    /// belongs to the host, see [`RayScene::bytes`](crate::rays::RayScene::bytes).
     pub rays: u64,
 }
 
@@ -75,7 +80,9 @@ impl Requirements {
         }
     }
 
-    /// Bytes that [`resize`](crate::DeferredAa::resize) to this size will allocate, without padding.
+    /// The memory that [`resize`](crate::DeferredAa::resize) to this size will allocate, without padding. If the
+    /// descriptor has rays, [`Memory::rays`] is what frames that trace will add, without the 24 bytes a pixel of
+    /// `Selective`.
     pub fn memory(&self, width: u32, height: u32) -> Memory {
         Memory {
             gbuffer: gbuffer_bytes([width, height], self.m),
@@ -85,7 +92,7 @@ impl Requirements {
     }
 }
 
-/// Needed, and used where it is there.
+/// The required features, and those that are used where the adapter has them.
 fn features(descriptor: &Descriptor<'_>) -> (wgpu::Features, wgpu::Features) {
     let mut needed = match descriptor.textures {
         TextureTier::Bindings => BINDING_FEATURES,
@@ -100,13 +107,13 @@ fn features(descriptor: &Descriptor<'_>) -> (wgpu::Features, wgpu::Features) {
 fn limits(descriptor: &Descriptor<'_>) -> wgpu::Limits {
     let mut limits = wgpu::Limits::default();
     if descriptor.textures == TextureTier::Bindings {
-        // wgpu counts the samplers' places among all elements too.
+        // wgpu counts samplers among all elements, too.
         limits.max_binding_array_elements_per_shader_stage =
             descriptor.texture_capacity.saturating_add(MAX_SAMPLERS as u32);
         limits.max_binding_array_sampler_elements_per_shader_stage = MAX_SAMPLERS as u32;
     }
     if descriptor.rays.is_some() {
-        // Of `trace`: its own, the table's and the host's.
+        // `trace` binds this many: its own, the table's and the host's.
         limits.max_storage_buffers_per_shader_stage = 12;
     }
     if descriptor.rays == Some(RayTier::Query) {
@@ -123,7 +130,7 @@ fn missing_limits(needed: &wgpu::Limits, has: &wgpu::Limits) -> Vec<String> {
     missing
 }
 
-/// What the device lacks for the descriptor.
+/// The features and limits of the descriptor that the device lacks.
 pub(crate) fn missing(device: &wgpu::Device, descriptor: &Descriptor<'_>) -> Vec<String> {
     let (needed, _) = features(descriptor);
     let mut missing: Vec<String> =

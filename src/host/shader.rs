@@ -1,21 +1,22 @@
-//! What a pass's shaders are made of: for a host that is not on wgpu, and compiles them by itself.
+//! The shaders of a pass, for a host that does not use wgpu and compiles them itself.
 
-/// A shader of a pass: WGSL, joined with the host's where that runs in it.
+/// A shader of a pass as WGSL, joined with the host's WGSL where the pass runs it.
 ///
-/// Group 0 is the frame's (constants, G-buffer, what was traced), 1 the texture table's, [`HOST_GROUP`](crate::HOST_GROUP) the
-/// host's, 3 the pass's own. Each binding's name and type stand in the source.
+/// Group 0 has the frame's constants, the G-buffer and the ray results, group 1 the texture table,
+/// [`HOST_GROUP`](crate::HOST_GROUP) the host's bindings, and group 3 the pass's own. The source declares the name and
+/// type of each binding.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shader {
-    /// [`PassInfo::name`](crate::PassInfo::name) of the pass.
+    /// The [`PassInfo::name`](crate::PassInfo::name) of the pass.
     pub pass: &'static str,
-    /// The entry point.
+    /// The name of the entry point.
     pub entry: String,
-    /// Its stage: compute, or vertex and fragment of a triangle that covers the target.
+    /// The shader stage: compute, or vertex and fragment for a pass that draws a triangle over the target.
     pub stage: naga::ShaderStage,
-    /// WGSL, whole: what other entry points need may be in it too.
+    /// The whole WGSL module. It may also contain what other entry points need.
     pub source: String,
-    /// Values of its `override` constants.
+    /// The values of its `override` constants.
     pub constants: Vec<(String, f64)>,
-    /// Whether it counts on workgroup memory that begins as 0.
+    /// Whether the shader relies on workgroup memory that is initialised to 0.
     pub zero_initialize_workgroup_memory: bool,
 }

@@ -1,4 +1,4 @@
-//! What a frame did: counted on the GPU.
+//! The statistics of a frame, counted on the GPU.
 
 use crate::goal::GoalProgress;
 use crate::host::graph::PassKind;
@@ -35,7 +35,7 @@ macro_rules! counts {
         }
 
         impl $name {
-            /// Names and counts, in the order of the fields.
+            /// The names and counts, in the order of the fields.
             pub fn entries(&self) -> [(&'static str, u32); size_of::<Self>() / 4] {
                 [$((stringify!($field), self.$field)),*]
             }
@@ -45,7 +45,7 @@ macro_rules! counts {
                 [$(self.$field),*]
             }
 
-            /// All of them together.
+            /// The sum of all counts.
             pub fn sum(&self) -> u64 {
                 self.values().into_iter().map(u64::from).sum()
             }
@@ -54,9 +54,9 @@ macro_rules! counts {
 }
 
 counts! {
-    /// Windows by what decided their k: [`DecidedBy`](crate::DecidedBy).
+    /// The number of windows for each reason for their k, [`DecidedBy`](crate::DecidedBy).
     DecidedCounts {
-        /// Nothing asked for more than one sample.
+        /// No metric asked for more than one sample.
         nothing,
         /// The depth metric.
         depth,
@@ -64,119 +64,120 @@ counts! {
         normal,
         /// The luminance metric.
         luminance,
-        /// The identity metric: two materials or objects.
+        /// The identity metric: the window has more than one material or object.
         identity,
-        /// The least k that the settings allow.
+        /// The setting for the least k.
         least,
-        /// The shadow metric: shadow bits that differ from a neighbour's.
+        /// The shadow metric: the shadow bits differ from those of a neighbour.
         shadow,
     }
 }
 
 counts! {
-    /// Quadrants by what their threshold is for: [`Attribute`](crate::Attribute).
+    /// The number of quadrants for each attribute whose threshold applies to them, [`Attribute`](crate::Attribute).
     QuadrantCounts {
-        /// Colour alone: nothing else disagrees.
+        /// Colour: no other attribute disagrees.
         color,
-        /// The object that pixels show.
+        /// The object that the pixels show.
         object,
-        /// The normal that they show.
+        /// The normal of the surface that the pixels show.
         normal,
-        /// The shadow on what they show.
+        /// The shadows on the surface that the pixels show.
         shadow,
-        /// The texture of what they show.
+        /// The texture existence of the surface that the pixel shows.
         texture,
-        /// The object that they reflect or refract.
+        /// The object that the pixels reflect or refract.
         secondary_object,
-        /// The normal of what they reflect or refract.
+        /// The normal of the surface that the pixels reflect or refract.
         secondary_normal,
-        /// The shadow on what they reflect or refract.
+        /// The shadows on the surface that the pixels reflect or refract.
         secondary_shadow,
-        /// The texture of what they reflect or refract.
+        /// The texture existence of the surface that the pixel reflects or refracts.
         secondary_texture,
     }
 }
 
 counts! {
-    /// Points by lattice: [`PlanWord::level`](crate::PlanWord::level).
+    /// The number of points of each lattice, [`PlanWord::level`](crate::PlanWord::level).
     PointCounts {
         /// The lattice of the pixels.
         pixels,
-        /// That with one point a pixel and shifted rows.
+        /// The lattice with one point a pixel and shifted rows.
         shifted,
-        /// That of every second pixel.
+        /// The lattice of every second pixel.
         half,
-        /// That of every fourth pixel.
+        /// The lattice of every fourth pixel.
         quarter,
-        /// That of every eighth pixel.
+        /// The lattice of every eighth pixel.
         eighth,
     }
 }
 
-/// What one frame did.
+/// The statistics of one frame.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Statistics {
-    /// Counted from 1 by [`record`](crate::DeferredAa::record).
+    /// The number of the frame; [`record`](crate::DeferredAa::record) counts from 1.
     pub frame: u64,
-    /// Technique of the recorded frame.
+    /// The technique of the frame.
     pub technique: Technique,
-    /// Samples that the host's code shaded, first samples included.
+    /// The number of samples that the host's code shaded, first samples included.
     pub shaded: u64,
-    /// `shaded` over n · w · h.
+    /// The number of shaded samples over n · w · h.
     pub ratio: f64,
-    /// `shaded` over w · h.
+    /// The number of shaded samples over w · h.
     pub mean_k: f64,
-    /// Windows by k: `histogram_k[0]` had k = 1. As long as n. Those of [`Technique::MultiResolution`] that were interpolated are in
-    /// none.
+    /// The number of windows for each k: `histogram_k[0]` for k = 1, up to k = n. Interpolated windows of
+    /// [`Technique::MultiResolution`] are not counted.
     pub histogram_k: Vec<u32>,
-    /// Windows by what decided their k.
+    /// The number of windows for each reason for their k.
     pub decided: DecidedCounts,
-    /// Active quadrants of [`Technique::Selective`] by what their threshold is for.
+    /// The number of active quadrants of [`Technique::Selective`] for each attribute whose threshold applies to them.
     pub quadrants: QuadrantCounts,
-    /// Points of [`Technique::MultiResolution`] that were shaded, by lattice, those beyond the image's border included. Samples of
-    /// refined windows come on top.
+    /// The number of shaded points of [`Technique::MultiResolution`] on each lattice, including points outside the
+    /// image's border. The samples of refined windows are not included.
     pub points: PointCounts,
-    /// Samples that came back from the host's code with NaN or infinity, and were shaded black.
+    /// The number of samples for which the host's code returned NaN or infinity. They are shaded black.
     pub not_finite: u32,
-    /// Samples that came back with a negative component, and were clamped to 0.
+    /// The number of samples for which the host's code returned a negative component. It is clamped to 0.
     pub negative: u32,
-    /// Tiles that wanted more than [`tile_limit`](crate::Windowed::tile_limit) samples and fell back to k = 1.
+    /// The number of tiles that asked for more than [`tile_limit`](crate::Windowed::tile_limit) samples and fell back
+    /// to k = 1.
     pub overflowed_tiles: u32,
-    /// Rays towards lights. Modulo 2³².
+    /// The number of shadow rays, modulo 2³².
     pub shadow_rays: u32,
-    /// Mirrored rays.
+    /// The number of mirrored rays.
     pub reflection_rays: u32,
-    /// Refracted rays.
+    /// The number of refracted rays.
     pub refraction_rays: u32,
-    /// Tiles of 8 × 8 pixels by what rays were dispatched for.
+    /// The number of tiles of 8 × 8 pixels by the kinds of rays that were dispatched for them.
     pub tiles: TileCounts,
-    /// How far the search for [`Settings::goal`](crate::Settings::goal) had come when this frame's counters arrived.
+    /// The progress of the search for [`Settings::goal`](crate::Settings::goal) when this frame's counters arrived.
     pub goal: Option<GoalProgress>,
-    /// The passes in order, with their GPU time in milliseconds where the device has timestamps.
+    /// The passes in order, with their GPU times where the device has timestamps.
     pub passes: Vec<PassTime>,
 }
 
-/// Tiles of a frame, by class. One may be of both.
+/// The tiles of a frame. A tile may be counted as both `surface` and `bounce`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TileCounts {
-    /// Of the frame.
+    /// The number of all tiles of the frame.
     pub all: u32,
-    /// Where a sample has a surface: shadow rays are dispatched there. 0 if the frame traces nothing.
+    /// The number of tiles with a surface, for which shadow rays are dispatched. 0 if the frame traces nothing.
     pub surface: u32,
-    /// Where a sample's material sends rays: mirrored and refracted ones are dispatched there.
+    /// The number of tiles with a material that sends rays, for which mirrored and refracted rays are dispatched.
     pub bounce: u32,
 }
 
-/// A pass and its time.
+/// The GPU time of a pass.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct PassTime {
-    /// As in [`PassInfo::name`](crate::PassInfo::name).
+    /// The name of the pass, as in [`PassInfo::name`](crate::PassInfo::name).
     pub name: &'static str,
-    /// What the pass does.
+    /// The kind of the pass.
     pub kind: PassKind,
-    /// `None` without [`wgpu::Features::TIMESTAMP_QUERY`].
+    /// The time in milliseconds, `None` without [`wgpu::Features::TIMESTAMP_QUERY`].
     pub milliseconds: Option<f64>,
 }

@@ -17,8 +17,8 @@ pub enum TextureTier {
     Bindings,
 }
 
-/// The number of array textures of [`TextureTier::Arrays`]. With the crate's own five, it leaves the host four of the sixteen
-/// sampled textures that WebGPU allows per stage.
+/// The number of array textures of [`TextureTier::Arrays`]. With the crate's own five, it leaves the host four of the
+/// sixteen sampled textures that WebGPU allows per stage.
 pub const MAX_CLASSES: usize = 7;
 
 /// The most different samplers of [`TextureTier::Bindings`].
@@ -31,8 +31,8 @@ pub const BINDING_FEATURES: wgpu::Features = wgpu::Features::TEXTURE_BINDING_ARR
 /// A texture of the table.
 #[derive(Debug, Clone, Copy)]
 pub struct TableTexture<'a> {
-    /// A two-dimensional texture with one layer and one sample, in a filterable float format, with its mip chain. It needs
-    /// the usage `COPY_SRC` on the array tier and `TEXTURE_BINDING` on the binding tier.
+    /// A two-dimensional texture with one layer and one sample, in a filterable float format, with its mip chain. It
+    /// needs the usage `COPY_SRC` on the array tier and `TEXTURE_BINDING` on the binding tier.
     pub texture: &'a wgpu::Texture,
     /// How the texture is read.
     pub sampler: TableSampler,
@@ -110,7 +110,7 @@ impl Class {
     }
 }
 
-/// Creates the tables of one tier; they share a bind group layout.
+/// Creates the tables of one tier, which share a bind group layout.
 #[derive(Debug)]
 pub(crate) struct Tables {
     pub layout: wgpu::BindGroupLayout,

@@ -1,4 +1,4 @@
-//! audit: the error of the finished image, measured on some of its tiles.
+//! audit: measures the error of the finished image in some of its tiles.
 
 use crate::gpu::binding::{Binding, PassData, Slot};
 use crate::gpu::modules::{Base, Module};

@@ -1,4 +1,4 @@
-//! check: what in a host's input is probably a mistake, on request.
+//! check: counts probable mistakes in a host's input, on request.
 
 use crate::gpu::binding::{Binding, PassData, Slot};
 use crate::gpu::modules::{Base, Module};

@@ -1,4 +1,4 @@
-//! list: the frame's pixels ordered by k, or its samples, as one list.
+//! list: builds a list of the frame's pixels, sorted by k, or of its samples.
 
 use crate::gpu::binding::{Binding, PassData, Slot};
 use crate::gpu::modules::{Base, Module};
@@ -10,7 +10,7 @@ static MODULE: Module = Module {
     chunks: &[include_str!("../../shaders/shared/work.wgsl"), include_str!("../../shaders/passes/list.wgsl")],
 };
 
-/// A row for each k.
+/// The list of pixels, with a row for each k.
 pub(crate) static PIXELS: PassData = PassData {
     names: &["list"],
     kind: PassKind::List,
@@ -30,7 +30,7 @@ pub(crate) static PIXELS: PassData = PassData {
     rounds: Rounds::Once,
 };
 
-/// All in one row.
+/// The list of samples, in one row.
 pub(crate) static SAMPLES: PassData = PassData {
     names: &["list"],
     kind: PassKind::List,

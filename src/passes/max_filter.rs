@@ -1,4 +1,4 @@
-//! max_filter: every pixel takes the greatest k of its block of 6 × 6 pixels.
+//! max_filter: gives every pixel the greatest k of its block of 6 × 6 pixels.
 
 use crate::gpu::binding::{Binding, PassData, Slot};
 use crate::gpu::modules::{Base, Module};

@@ -1,4 +1,4 @@
-//! metrics: how many samples each window is worth.
+//! metrics: computes how many samples of each window are shaded.
 
 use crate::gpu::binding::{Binding, PassData, Slot};
 use crate::gpu::modules::{Base, Module};

@@ -1,4 +1,5 @@
-//! The passes, each declared once: what its shader is, what it binds, what it runs. They know nothing of each other, nor of frames.
+//! The passes, each declared once: its shader, its bindings and its stages. They do not depend on each other or on the
+//! frame's order.
 
 pub(crate) mod audit;
 pub(crate) mod check;
@@ -20,7 +21,7 @@ pub(crate) mod view;
 use crate::gpu::binding::PassData;
 use crate::wgsl::chunk;
 
-/// All of them.
+/// All passes.
 pub(crate) static ALL: &[&PassData] = &[
     &audit::AUDIT,
     &check::CHECK,
@@ -73,7 +74,8 @@ pub(crate) static ALL: &[&PassData] = &[
     &view::NOTHING,
 ];
 
-/// Every text of the crate's WGSL, each once: what a result depends on, for a host that keeps results.
+/// All texts of the crate's WGSL, each once. A host that caches results can tell by them whether the shaders have
+/// changed.
 pub fn shader_texts() -> Vec<&'static str> {
     let own = ALL.iter().flat_map(|pass| pass.module.chunks.iter().copied());
     let mut all: Vec<_> = chunk::ALL.into_iter().chain([include_str!("../../shaders/pack.wgsl")]).chain(own).collect();

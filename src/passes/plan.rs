@@ -1,4 +1,4 @@
-//! plan: where each window's samples lie in its tile's list, and what the frame will shade.
+//! plan: lays out the samples of each tile, and counts what the frame shades.
 
 use crate::gpu::binding::{Binding, PassData, Slot};
 use crate::gpu::modules::{Base, Module};

@@ -1,4 +1,4 @@
-//! quadrants: the samples of active quadrants, and their mean with the first samples.
+//! quadrants: shades the samples of active quadrants, and stores their mean with the first samples.
 
 use crate::gpu::binding::{Binding, PassData, Slot};
 use crate::gpu::modules::{Base, Module};
@@ -27,7 +27,7 @@ const BINDINGS: [Binding; 6] = [
 const LISTED: Stage =
     Stage::new("daa_quadrants_active", Grid::Indirect { part: Part::PixelListWork, offset: WORK_GROUPS_AT });
 
-/// Pixels without an active quadrant are left alone.
+/// Processes only pixels with an active quadrant.
 pub(crate) static ACTIVE: PassData = PassData {
     names: &["quadrants"],
     kind: PassKind::Quadrants,
@@ -38,7 +38,7 @@ pub(crate) static ACTIVE: PassData = PassData {
     rounds: Rounds::Once,
 };
 
-/// All pixels: quadrants that are not active are interpolated.
+/// Processes all pixels, since inactive quadrants are interpolated.
 pub(crate) static BETWEEN: PassData = PassData {
     names: &["quadrants"],
     kind: PassKind::Quadrants,

@@ -1,4 +1,4 @@
-//! reconstruct: geometric samples take their colours from shaded ones around them.
+//! reconstruct: gives geometric samples the colours of shaded ones around them.
 
 use crate::gpu::binding::{Binding, PassData, Slot};
 use crate::gpu::modules::{Base, Module};

@@ -10,7 +10,7 @@ static MODULE: Module = Module {
     chunks: &[include_str!("../../shaders/shared/fullscreen.wgsl"), include_str!("../../shaders/passes/resolve.wgsl")],
 };
 
-/// S is the image.
+/// For frames whose image is S.
 pub(crate) static FIRST: PassData = PassData {
     names: &["resolve"],
     kind: PassKind::Resolve,
@@ -21,7 +21,7 @@ pub(crate) static FIRST: PassData = PassData {
     rounds: Rounds::Once,
 };
 
-/// Every pixel has its mean.
+/// For frames in which every pixel has a mean.
 pub(crate) static COLOR: PassData = PassData {
     names: &["resolve"],
     kind: PassKind::Resolve,
@@ -32,7 +32,7 @@ pub(crate) static COLOR: PassData = PassData {
     rounds: Rounds::Once,
 };
 
-/// Windows with k > 1 have a mean, the others their first sample.
+/// For frames with a plan: windows with k > 1 have a mean, the others their first sample.
 pub(crate) static BY_PLAN: PassData = PassData {
     names: &["resolve"],
     kind: PassKind::Resolve,
@@ -47,7 +47,7 @@ pub(crate) static BY_PLAN: PassData = PassData {
     rounds: Rounds::Once,
 };
 
-/// The lattice of the pixels is the image.
+/// For frames whose image is the lattice of pixels.
 pub(crate) static LATTICE: PassData = PassData {
     names: &["resolve"],
     kind: PassKind::Resolve,

@@ -1,4 +1,4 @@
-//! select: which quadrants of each pixel are worth more samples.
+//! select: chooses the quadrants of each pixel of which more samples are shaded.
 
 use crate::gpu::binding::{Binding, PassData, Slot};
 use crate::gpu::modules::{Base, Module};

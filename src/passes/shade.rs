@@ -1,4 +1,4 @@
-//! shade: the samples beyond the first, and their mean with it.
+//! shade: shades the samples beyond the first, and stores their mean with the first.
 
 use crate::gpu::binding::{Binding, PassData, Slot};
 use crate::gpu::modules::{Base, Module};
@@ -7,7 +7,7 @@ use crate::host::graph::{Grid, Part, PassKind, Rounds, Stage};
 static MODULE: Module =
     Module { name: "shade", base: Base::Shading, chunks: &[include_str!("../../shaders/passes/shade.wgsl")] };
 
-/// Every sample, for `Full`, which has neither first samples nor a plan.
+/// Shades every sample for `Full`, which has neither first samples nor a plan.
 pub(crate) static FULL: PassData = PassData {
     names: &["shade"],
     kind: PassKind::Shade,

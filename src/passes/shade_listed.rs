@@ -1,4 +1,4 @@
-//! shade_listed: `shade` for the executions that work on a list.
+//! shade_listed: `shade` for the executions that run a list.
 
 use crate::gpu::binding::{Binding, PassData, Slot};
 use crate::gpu::modules::{Base, Module};
@@ -24,7 +24,7 @@ const PIXELS: [Binding; 6] = [
     Binding::read(5, "daa_work", Slot::Part(Part::PixelListWork)),
 ];
 
-/// Work 0 is the whole list.
+/// Runs work 0, the whole list.
 pub(crate) static SORTED: PassData = PassData {
     names: &["shade"],
     kind: PassKind::Shade,
@@ -35,7 +35,7 @@ pub(crate) static SORTED: PassData = PassData {
     rounds: Rounds::Once,
 };
 
-/// Work r + 1 is row r, the pixels of one k.
+/// Runs work r + 1 in round r: row r, the pixels of one k.
 pub(crate) static BUCKETED: PassData = PassData {
     names: &["shade"],
     kind: PassKind::Shade,
@@ -49,7 +49,7 @@ pub(crate) static BUCKETED: PassData = PassData {
     rounds: Rounds::Counts,
 };
 
-/// Work b + 1 is batch b; its colours are added up before the next takes their place.
+/// Runs work b + 1 in round b: batch b, whose colours are added up before the next batch replaces them.
 pub(crate) static PACKED: PassData = PassData {
     names: &["shade"],
     kind: PassKind::Shade,

@@ -1,4 +1,4 @@
-//! view: a debug view in place of resolve.
+//! view: writes a debug view in place of resolve.
 
 use crate::gpu::binding::{Binding, PassData, Slot};
 use crate::gpu::modules::{Base, Module};
@@ -10,7 +10,7 @@ static MODULE: Module = Module {
     chunks: &[include_str!("../../shaders/shared/fullscreen.wgsl"), include_str!("../../shaders/passes/view.wgsl")],
 };
 
-/// A channel of what the host rendered.
+/// A channel of the G-buffer.
 pub(crate) static GBUFFER: PassData = PassData {
     names: &["view"],
     kind: PassKind::View,
@@ -21,7 +21,7 @@ pub(crate) static GBUFFER: PassData = PassData {
     rounds: Rounds::Once,
 };
 
-/// How many surfaces each window holds.
+/// The number of surfaces in each window.
 pub(crate) static SURFACES: PassData = PassData {
     names: &["view"],
     kind: PassKind::View,
@@ -43,7 +43,7 @@ pub(crate) static FIRST: PassData = PassData {
     rounds: Rounds::Once,
 };
 
-/// What the plan says.
+/// The plan.
 pub(crate) static PLAN: PassData = PassData {
     names: &["view"],
     kind: PassKind::View,
@@ -54,7 +54,7 @@ pub(crate) static PLAN: PassData = PassData {
     rounds: Rounds::Once,
 };
 
-/// The same for techniques that plan nothing.
+/// The same for techniques without a plan.
 pub(crate) static UNPLANNED: PassData = PassData {
     names: &["view"],
     kind: PassKind::View,
@@ -65,7 +65,7 @@ pub(crate) static UNPLANNED: PassData = PassData {
     rounds: Rounds::Once,
 };
 
-/// Where rays were dispatched.
+/// The tiles for which rays were dispatched.
 pub(crate) static TILES: PassData = PassData {
     names: &["view"],
     kind: PassKind::View,
@@ -76,7 +76,7 @@ pub(crate) static TILES: PassData = PassData {
     rounds: Rounds::Once,
 };
 
-/// Which lights reach the first samples.
+/// The lights that reach the first samples.
 pub(crate) static SHADOWS: PassData = PassData {
     names: &["view"],
     kind: PassKind::View,
@@ -87,7 +87,7 @@ pub(crate) static SHADOWS: PassData = PassData {
     rounds: Rounds::Once,
 };
 
-/// How many rays the samples sent.
+/// The number of rays that the samples sent.
 pub(crate) static RAYS: PassData = PassData {
     names: &["view"],
     kind: PassKind::View,
@@ -101,7 +101,7 @@ pub(crate) static RAYS: PassData = PassData {
     rounds: Rounds::Once,
 };
 
-/// Where no ray was asked for.
+/// Views of rays in frames that trace none.
 pub(crate) static NOTHING: PassData = PassData {
     names: &["view"],
     kind: PassKind::View,

@@ -1,19 +1,19 @@
-//! What a hit is shaded from: a vertex's attributes in 16 bytes, as in the G-buffer.
+//! The attributes of a vertex, from which hits are shaded, in 16 bytes as in the G-buffer.
 
 use crate::octahedral;
 use glam::{DVec3, Vec3};
 use std::f64::consts::TAU;
 
-/// Of a vertex, in the mesh's own space.
+/// The attributes of a vertex, in the mesh's own space.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Attributes {
-    /// Of any length above 0.
+    /// The normal, of any length above 0.
     pub normal: [f32; 3],
-    /// w: the sign of the bitangent. Zero if there is none.
+    /// The tangent; w is the sign of the bitangent. Zero if there is none.
     pub tangent: [f32; 4],
     /// Texture coordinates.
     pub uv: [f32; 2],
-    /// The host's own 32 bits. A hit has those of its triangle's first vertex.
+    /// The host's own 32 bits. A hit has those of the first vertex of its triangle.
     pub user: u32,
 }
 

@@ -1,4 +1,4 @@
-//! The bottom level: one mesh's triangles in a wide, compressed BVH (Ylitie, Karras, Laine 2017), built by `obvhs`.
+//! The bottom level: the triangles of a mesh in a wide, compressed BVH (Ylitie, Karras, Laine 2017), built by `obvhs`.
 
 use super::attributes::{self, Attributes};
 use super::{RayError, STACK};
@@ -10,34 +10,34 @@ use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
 use obvhs::cwbvh::node::CwBvhNode;
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 
-/// Coordinates of vertices lie within ± this, so that no product in a ray's way overflows.
+/// The greatest absolute coordinate of a vertex. Up to it no product in the traversal overflows.
 pub const MAX_COORDINATE: f32 = 1e12;
 
-/// Triangles that rays may meet, in their own space.
+/// A mesh that rays may hit, in its own space.
 #[derive(Debug, Clone, Copy)]
 pub struct Mesh<'a> {
-    /// What errors call it.
+    /// The name of the mesh, for error messages.
     pub name: &'a str,
-    /// Vertices.
+    /// The positions of the vertices.
     pub positions: &'a [[f32; 3]],
-    /// Three a triangle.
+    /// The vertex indices, three for each triangle.
     pub indices: &'a [u32],
-    /// What hits are shaded from, one a vertex; empty if rays are only asked whether they hit.
+    /// The attributes from which hits are shaded, one for each vertex. Empty if only shadow rays are traced.
     pub attributes: &'a [Attributes],
-    /// Its material has holes: `daa_ray_solid` is asked at each triangle that a ray meets. Needs attributes.
+    /// Whether the material has holes: `daa_ray_solid` is called for each triangle that a ray hits. Needs attributes.
     pub masked: bool,
 }
 
-/// A mesh ready for rays: built once, on any thread, and shared by all of its instances.
+/// A mesh prepared for tracing: built once, on any thread, and shared by all of its instances.
 #[derive(Debug, Clone)]
 pub struct BottomLevel {
     pub(super) name: String,
-    /// Indices of children and triangles count from this mesh's own first.
+    /// The nodes. Their indices of children and triangles are relative to the first ones of this mesh.
     pub(super) nodes: Vec<CwBvhNode>,
-    /// In the order of the leaves: three vertices and the triangle's place in the mesh.
+    /// The triangles in the order of the leaves: three vertices, and the index of the triangle in the mesh.
     pub(super) triangles: Vec<[u32; 4]>,
     pub(super) positions: Vec<[f32; 3]>,
-    /// As `daa_ray_geometry` has them, and the host's 32 bits.
+    /// The attributes as `daa_ray_geometry` stores them, and the host's 32 bits.
     pub(super) attributes: Vec<([u32; 4], u32)>,
     pub(super) masked: bool,
     pub(super) bounds: Option<[Vec3; 2]>,
@@ -45,7 +45,8 @@ pub struct BottomLevel {
 }
 
 impl BottomLevel {
-    /// Checks and builds. Triangles without an area are left out and counted: no ray can hit them.
+    /// Checks the mesh and builds its BVH. Triangles without an area are dropped and counted, since no ray can hit
+    /// them.
     pub fn build(mesh: &Mesh<'_>) -> Result<Self, RayError> {
         let name = mesh.name;
         let vertices = mesh.positions.len();
@@ -94,17 +95,17 @@ impl BottomLevel {
         })
     }
 
-    /// Triangles that were left out, since they have no area.
+    /// The number of triangles that were dropped because they have no area.
     pub fn dropped(&self) -> u32 {
         self.dropped
     }
 
-    /// Triangles that rays may meet.
+    /// The number of triangles that rays may hit.
     pub fn triangles(&self) -> u32 {
         self.triangles.len() as u32
     }
 
-    /// Triangles by their numbers: vertices, number. Those that were left out meet no ray.
+    /// The triangles in the order of the mesh, with their indices. Dropped ones are degenerate.
     pub(super) fn as_they_were(&self) -> Vec<[u32; 4]> {
         let mut all: Vec<_> = (0..self.triangles() + self.dropped()).map(|id| [0, 0, 0, id]).collect();
         for &triangle in &self.triangles {
@@ -113,23 +114,24 @@ impl BottomLevel {
         all
     }
 
-    /// Bytes on the GPU of nodes and triangles, without the vertices.
+    /// The bytes that its nodes and triangles take on the GPU, without the vertices.
     pub fn bytes(&self) -> u64 {
         (size_of_val(&self.nodes[..]) + size_of_val(&self.triangles[..])) as u64
     }
 }
 
-/// How a tree is built.
+/// The kind of a tree.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Quality {
-    /// Once, over triangles.
+    /// A tree over triangles, built once.
     Static,
-    /// In each frame, over instances.
+    /// A tree over instances, built in each frame.
     Dynamic,
 }
 
 impl Quality {
-    /// Most levels of nodes. A balanced tree over n boxes has at most ⌈log₂ n⌉ + 1, and n is below 2³² here, 2²⁴ there.
+    /// The most levels of nodes. A balanced tree over n boxes has at most ⌈log₂ n⌉ + 1 levels; n is below 2³² for
+    /// triangles and below 2²⁴ for instances.
     pub const fn levels(self) -> u32 {
         match self {
             Self::Static => 33,
@@ -138,10 +140,10 @@ impl Quality {
     }
 }
 
-// Of either tree each level leaves at most one group on the stack, and an instance that is entered two more.
+// In both trees each level leaves at most one group on the stack, and an entered instance two more.
 const _: () = assert!(Quality::Static.levels() + Quality::Dynamic.levels() + 2 <= STACK);
 
-/// Nodes, root first, and the boxes in the order of the leaves.
+/// Builds a tree: its nodes, root first, and the indices of the boxes in the order of the leaves.
 pub(super) fn wide(boxes: &[Aabb], quality: Quality) -> (Vec<CwBvhNode>, Vec<u32>) {
     if boxes.is_empty() {
         return Default::default();
@@ -157,14 +159,14 @@ pub(super) fn wide(boxes: &[Aabb], quality: Quality) -> (Vec<CwBvhNode>, Vec<u32
         ReinsertionOptimizer::default().run(&mut binary, 0.02, None);
     }
     let mut wide = bvh2_to_cwbvh(&binary, 3, true, false);
-    // Boxes that shrink by half each, say, make a tree as deep as they are many.
+    // Some boxes, such as ones that each halve in size, make a tree as deep as their number.
     if levels(&wide.nodes) > quality.levels() {
         wide = bvh2_to_cwbvh(&balanced(boxes), 3, true, false);
     }
     (wide.nodes, wide.primitive_indices)
 }
 
-/// Levels of nodes, the root's included. A parent lies before its children.
+/// The number of levels of nodes, including the root. Parents lie before their children.
 fn levels(nodes: &[CwBvhNode]) -> u32 {
     let mut levels = vec![1; nodes.len()];
     for (i, node) in nodes.iter().enumerate() {
@@ -207,7 +209,7 @@ fn union(a: &Aabb, b: &Aabb) -> Aabb {
     Aabb::new(a.min.min(b.min), a.max.max(b.max))
 }
 
-/// f32 products are exact in f64, their differences nearly so.
+/// Products of f32 are exact in f64, and their differences almost.
 fn has_area([a, b, c]: [[f32; 3]; 3]) -> bool {
     let [a, b, c] = [a, b, c].map(|p| DVec3::from(p.map(f64::from)));
     (b - a).cross(c - a) != DVec3::ZERO
@@ -243,7 +245,7 @@ mod tests {
         assert_eq!((none.triangles(), none.nodes.len(), none.bounds), (0, 0, None));
     }
 
-    /// Triangles that shrink by half each: each is nearer to all smaller ones than to the next greater.
+    /// Triangles that each halve in size: each is nearer to all smaller ones than to the next larger one.
     #[test]
     fn a_tree_that_would_be_too_deep_is_balanced() {
         let side = |i: i32| 0.5f32.powi(i);

@@ -1,7 +1,7 @@
 //! Rays: the host's meshes and their instances, and what a shader needs to trace through them.
 //!
-//! A [`Mesh`] becomes a [`BottomLevel`] once, on any thread. A [`RayScene`] holds bottom levels on the GPU, and a top level
-//! over the [`Instance`]s of the frame, which move without touching the bottom.
+//! A [`Mesh`] is built into a [`BottomLevel`] once, on any thread. A [`RayScene`] holds bottom levels on the GPU and a
+//! top level over the [`Instance`]s of the frame, which may move without rebuilding the bottom levels.
 
 mod attributes;
 mod mesh;
@@ -13,8 +13,8 @@ pub use mesh::{BottomLevel, MAX_COORDINATE, Mesh};
 pub use query::{QUERY_FEATURES, query_limits};
 pub use scene::{Instance, MAX_INSTANCES, MeshId, RayScene};
 
-/// WGSL of `DaaRay`, `DaaHit` and `daa_trace(ray, any, through)`, for shaders of the host's own. The module declares what it
-/// reads:
+/// The WGSL of `DaaRay`, `DaaHit` and `daa_trace(ray, any, through)`, for the host's own shaders. The module must
+/// declare what it reads:
 ///
 /// ```wgsl
 /// @group(0) @binding(0) var<storage, read> daa_ray_nodes: array<vec4u>;
@@ -27,8 +27,8 @@ pub use scene::{Instance, MAX_INSTANCES, MeshId, RayScene};
 pub const SOFTWARE_WGSL: &str =
     concat!(include_str!("../../shaders/rays/rays.wgsl"), "\n", include_str!("../../shaders/swap/rays_software.wgsl"));
 
-/// The same functions by the adapter's ray query. The module begins with `enable wgpu_ray_query;`, and declares instead of the
-/// nodes
+/// The same functions, traced by the adapter's ray query. The module begins with `enable wgpu_ray_query;`, and declares
+/// in place of the nodes
 ///
 /// ```wgsl
 /// @group(0) @binding(0) var daa_ray_tlas: acceleration_structure;
@@ -38,126 +38,126 @@ pub const SOFTWARE_WGSL: &str =
 pub const QUERY_WGSL: &str =
     concat!(include_str!("../../shaders/rays/rays.wgsl"), "\n", include_str!("../../shaders/swap/rays_query.wgsl"));
 
-/// How rays are traced. Both find the same hits.
+/// How rays are traced. Both tiers find the same hits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum RayTier {
-    /// In WGSL, on any adapter.
+    /// Rays are traced in WGSL, on any adapter.
     #[default]
     Software,
-    /// By the adapter. Needs [`QUERY_FEATURES`] and [`query_limits`].
+    /// Rays are traced by the adapter. Needs [`QUERY_FEATURES`] and [`query_limits`].
     Query,
 }
 
-/// Entries of the traversal's stack in rays_software.wgsl.
+/// The number of entries of the traversal stack in rays_software.wgsl.
 const STACK: u32 = 60;
 
-/// Meshes or instances that can't be traced.
+/// A mesh or an instance can't be traced.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RayError {
-    /// A vertex is not a number, or too far.
+    /// A vertex is not finite, or too far from the mesh's origin.
     #[error("mesh '{mesh}': vertex {vertex} is at {position:?}; coordinates are finite and within ±1e12")]
     Vertex {
-        /// Its name.
+        /// The name of the mesh.
         mesh: String,
-        /// Counted from 0.
+        /// The index of the vertex.
         vertex: usize,
-        /// As given.
+        /// The position of the vertex.
         position: [f32; 3],
     },
-    /// No whole number of triangles.
+    /// The number of indices is not a multiple of 3.
     #[error("mesh '{mesh}' has {indices} indices; a triangle has 3, so give a multiple of 3")]
     Indices {
-        /// Its name.
+        /// The name of the mesh.
         mesh: String,
-        /// How many.
+        /// The number of indices.
         indices: usize,
     },
-    /// An index beyond the vertices.
+    /// An index is beyond the vertices.
     #[error("mesh '{mesh}': index {at} is {index}, but there are {vertices} vertices")]
     Index {
-        /// Its name.
+        /// The name of the mesh.
         mesh: String,
-        /// Counted from 0.
+        /// The position in the list of indices.
         at: usize,
-        /// As given.
+        /// The index.
         index: u32,
-        /// How many there are.
+        /// The number of vertices.
         vertices: usize,
     },
-    /// Not one for each vertex, or a masked mesh has none.
+    /// There is not one set of attributes for each vertex, or a masked mesh has none.
     #[error(
         "mesh '{mesh}' has {vertices} vertices, but attributes of {attributes}; give one for each, or none if it is not masked"
     )]
     Attributes {
-        /// The mesh's name.
+        /// The name of the mesh.
         mesh: String,
-        /// As given.
+        /// The number of attributes.
         attributes: usize,
-        /// Of the mesh.
+        /// The number of vertices.
         vertices: usize,
     },
-    /// An attribute is not a number.
+    /// An attribute is not finite.
     #[error("mesh '{mesh}': vertex {vertex} has a normal, tangent or uv that is not finite")]
     Attribute {
-        /// The mesh's name.
+        /// The name of the mesh.
         mesh: String,
-        /// Counted from 0.
+        /// The index of the vertex.
         vertex: usize,
     },
-    /// The device does not bind so much.
+    /// A buffer of the scene exceeds the device's limits.
     #[error(
         "{what} of the ray scene take {bytes} bytes, the device binds {limit}; request a greater max_storage_buffer_binding_size, or split the scene"
     )]
     TooLarge {
-        /// Which part.
+        /// The content of the buffer.
         what: &'static str,
-        /// What it takes.
+        /// The bytes that it needs.
         bytes: u64,
-        /// What the device binds.
+        /// The most bytes that the device binds.
         limit: u64,
     },
-    /// More than the device's acceleration structures hold.
+    /// An acceleration structure exceeds the device's limits.
     #[error(
         "{count} {what}, the device holds {limit}; request greater limits for acceleration structures, or use RayTier::Software"
     )]
     Structures {
-        /// Of what.
+        /// What there are too many of.
         what: &'static str,
-        /// How many.
+        /// Their number.
         count: usize,
-        /// Most.
+        /// The most that the device holds.
         limit: usize,
     },
-    /// A top level of the host's own where WGSL traces.
+    /// A top level of the host's own was given to a scene of [`RayTier::Software`].
     #[error("a top level of the host's own can only be traced by RayTier::Query; use RayScene::update")]
     HostTopLevel,
-    /// More than shaders can tell apart.
+    /// There are more instances than shaders can tell apart.
     #[error("{instances} instances; a frame traces at most {limit}")]
     Instances {
-        /// How many.
+        /// The number of instances.
         instances: usize,
-        /// Most.
+        /// The most instances of a frame.
         limit: usize,
     },
-    /// A mesh of another scene.
+    /// An instance refers to a mesh that the scene does not have.
     #[error("instance {instance} is of mesh {mesh}, but the scene has {meshes}")]
     NoMesh {
-        /// Counted from 0.
+        /// The index of the instance.
         instance: usize,
-        /// As given.
+        /// The id of the mesh.
         mesh: u32,
-        /// How many the scene has.
+        /// The number of meshes in the scene.
         meshes: usize,
     },
-    /// A transform that can't be undone.
+    /// The transform of an instance can't be inverted.
     #[error("instance {instance} (mesh '{mesh}') has a transform that {why}; leave it out of the frame's instances")]
     Transform {
-        /// Counted from 0.
+        /// The index of the instance.
         instance: usize,
         /// The name of its mesh.
         mesh: String,
-        /// What is wrong with it.
+        /// What is wrong with the transform.
         why: &'static str,
     },
 }

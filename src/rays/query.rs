@@ -1,12 +1,12 @@
-//! Both levels as the adapter's own acceleration structures, for ray queries.
+//! Both levels as acceleration structures of the adapter, for ray queries.
 
 use super::RayError;
 use super::mesh::BottomLevel;
 
-/// What [`RayTier::Query`](super::RayTier::Query) asks of the device.
+/// The features that [`RayTier::Query`](super::RayTier::Query) needs from the device.
 pub const QUERY_FEATURES: wgpu::Features = wgpu::Features::EXPERIMENTAL_RAY_QUERY;
 
-/// Limits for acceleration structures, as far as the adapter goes; the others are left as they are.
+/// Raises the limits for acceleration structures to those of the adapter; the others stay as they are.
 pub fn query_limits(limits: wgpu::Limits, adapter: &wgpu::Limits) -> wgpu::Limits {
     wgpu::Limits {
         max_blas_primitive_count: adapter.max_blas_primitive_count,
@@ -17,10 +17,10 @@ pub fn query_limits(limits: wgpu::Limits, adapter: &wgpu::Limits) -> wgpu::Limit
     }
 }
 
-/// The adapter's structures, in step with the scene's own buffers.
+/// The adapter's structures, which change together with the scene's own buffers.
 #[derive(Debug)]
 pub(super) struct Structures {
-    /// One a mesh; none for a mesh without triangles.
+    /// One structure for each mesh; none for a mesh without triangles.
     bottom: Vec<Option<wgpu::Blas>>,
     pub top: wgpu::Tlas,
     room: u32,
@@ -62,7 +62,7 @@ impl Structures {
             queue.write_buffer(&buffer, 0, bytes);
             buffer
         };
-        // As the geometry has them.
+        // In the order of the geometry buffer.
         let indices: Vec<u32> = triangles.iter().flat_map(|t| [t[0], t[1], t[2]]).collect();
         let vertices = upload("daa ray vertices", bytemuck::cast_slice(&mesh.positions));
         let index_buffer = upload("daa ray indices", bytemuck::cast_slice(&indices));
@@ -102,8 +102,8 @@ impl Structures {
         Ok(())
     }
 
-    /// Records the build of the top level: the instances' meshes, and their places relative to the camera, row by row.
-    /// Whether the structure is another one now.
+    /// Records the build of the top level from the meshes of the instances and their transforms relative to the camera,
+    /// row by row. Returns whether the structure was replaced.
     pub fn update(
         &mut self,
         device: &wgpu::Device,

@@ -1,4 +1,4 @@
-//! The top level, and both levels on the GPU.
+//! The top level, and the buffers of both levels on the GPU.
 
 use super::mesh::{self, BottomLevel, MAX_COORDINATE, Quality};
 use super::query::Structures;
@@ -9,72 +9,72 @@ use obvhs::cwbvh::node::CwBvhNode;
 use std::borrow::Cow;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// A bottom level of a [`RayScene`].
+/// The id of a mesh in a [`RayScene`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct MeshId(pub(crate) u32);
 
-/// A mesh somewhere in the world.
+/// An instance of a mesh in the world.
 #[derive(Debug, Clone, Copy)]
 pub struct Instance {
-    /// Which.
+    /// The mesh.
     pub mesh: MeshId,
-    /// World from the mesh's own space: any affine transform that can be undone.
+    /// The transform from the mesh's own space to world space: any invertible affine transform.
     pub world: Affine3A,
-    /// Of its record in `daa_ray_top`: the material of `DaaSample`.
+    /// The material: `DaaSample::material` of its hits.
     pub material: u32,
-    /// Of its record: the object of `DaaSample`.
+    /// The object: `DaaSample::object` of its hits.
     pub object: u32,
     /// The host's own 32 bits.
     pub user: u32,
 }
 
-/// An instance as shaders see it: [`RECORD`] vec4s of `daa_ray_top`.
+/// The record of an instance in shaders: [`RECORD`] vec4s of `daa_ray_top`.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub(crate) struct InstanceRecord {
-    /// Rows of the transform from space relative to the camera into the mesh's own.
+    /// The rows of the transform from camera-relative space to the mesh's own.
     pub own_from_relative: [[f32; 4]; 3],
-    /// The mesh's root.
+    /// The root node of the mesh.
     pub root: u32,
-    /// Its place among the frame's instances.
+    /// The index of the instance in the frame.
     pub index: u32,
-    /// Of the mesh, among the vec4s of the geometry.
+    /// The index of the mesh's first triangle among the vec4s of the geometry.
     pub first_triangle: u32,
-    /// From a vertex to its attributes, 0 if it has none.
+    /// The offset from a vertex to its attributes, 0 if the mesh has none.
     pub attributes: u32,
     pub material: u32,
     pub object: u32,
     pub user: u32,
-    /// Bit 0: its material has holes.
+    /// Bit 0: whether the material has holes.
     pub flags: u32,
 }
 
-/// The host's meshes and instances, ready for rays.
+/// The host's meshes and instances, prepared for tracing.
 ///
-/// [`add`](Self::add) meshes once; [`update`](Self::update) the instances in each frame. Buffers grow when they must, and
-/// are kept: a steady frame allocates nothing on the GPU.
+/// [`add`](Self::add) each mesh once, and [`update`](Self::update) the instances in each frame. Buffers grow when they
+/// must and are kept, so that a steady frame allocates no GPU memory.
 #[derive(Debug)]
 pub struct RayScene {
     nodes: Growing,
     geometry: Growing,
     top: Growing,
-    /// Of [`RayTier::Query`].
+    /// The acceleration structures of [`RayTier::Query`].
     structures: Option<Structures>,
-    /// The host's own top level, where it is in use.
+    /// The host's own top level, if it is in use.
     hosts: Option<wgpu::Tlas>,
     meshes: Vec<Placed>,
-    /// Vec4s used of `nodes` and `geometry`.
+    /// The number of vec4s in use of `nodes` and `geometry`.
     used: [u64; 2],
     instances: u32,
     tier: RayTier,
     camera: Vec3,
     least_offset: f32,
     generation: u64,
-    /// What `update` uploads, kept so as not to be allocated anew.
+    /// The data that `update` uploads, kept to avoid an allocation in each frame.
     upload: Vec<[u32; 4]>,
 }
 
-/// Where a bottom level lies.
+/// The position of a bottom level in the buffers.
 #[derive(Debug)]
 struct Placed {
     name: String,
@@ -102,7 +102,8 @@ impl Growing {
         device.create_buffer(&wgpu::BufferDescriptor { label: Some(what), size, usage, mapped_at_creation: false })
     }
 
-    /// Room for so many bytes, of which `keep` stay. Whether the buffer is another one now.
+    /// Makes room for a number of bytes, of which the first `keep` are preserved. Returns whether the buffer was
+    /// replaced.
     fn reserve(
         &mut self,
         device: &wgpu::Device,
@@ -126,18 +127,18 @@ impl Growing {
     }
 }
 
-/// A ray query counts instances with 24 bits.
+/// The most instances of a frame: a ray query counts them with 24 bits.
 pub const MAX_INSTANCES: usize = (1 << 24) - 1;
 
-/// Bytes of a vec4u, which all three buffers are arrays of.
+/// The bytes of a vec4u, the element of all three buffers.
 const VEC4: u64 = 16;
-/// Vec4s of a node, and of an [`InstanceRecord`].
+/// The number of vec4s of a node, and of an [`InstanceRecord`].
 pub(super) const RECORD: usize = 5;
 const _: () = assert!(size_of::<InstanceRecord>() == RECORD * VEC4 as usize);
 const _: () = assert!(size_of::<CwBvhNode>() == RECORD * VEC4 as usize);
 
 impl RayScene {
-    /// An empty scene: every ray misses, once it is [`update`](Self::update)d.
+    /// An empty scene. After an [`update`](Self::update) every ray misses.
     pub fn new(device: &wgpu::Device, tier: RayTier) -> Self {
         Self {
             nodes: Growing::new(device, "nodes"),
@@ -156,8 +157,8 @@ impl RayScene {
         }
     }
 
-    /// Uploads a mesh. `encoder` holds copies where buffers had to grow, and the adapter's builds: submit it before rays are
-    /// traced.
+    /// Uploads a mesh. `encoder` receives the copies of buffers that had to grow and the builds of acceleration
+    /// structures: submit it before rays are traced.
     pub fn add(
         &mut self,
         device: &wgpu::Device,
@@ -170,7 +171,7 @@ impl RayScene {
         let first_vertex = geometry + self.order(mesh).len() as u64;
         let vertices = mesh.positions.len();
         let end = first_vertex + (vertices + mesh.attributes.len()) as u64;
-        // The adapter has nodes of its own.
+        // The adapter's structures replace the nodes.
         let own_nodes = if self.structures.is_some() { &[][..] } else { &mesh.nodes };
         let nodes_end = nodes + (own_nodes.len() * RECORD) as u64;
 
@@ -192,7 +193,7 @@ impl RayScene {
         let attributes = mesh.attributes.iter().map(|&(packed, _)| packed);
         let records: Vec<[u32; 4]> = triangles.chain(positions).chain(attributes).collect();
 
-        // Counted one by one: the first may be another one even where the second finds no room.
+        // The generation is updated after each, since the first may be replaced even if the second fails.
         let grown = self.nodes.reserve(device, Some(&mut *encoder), nodes_end * VEC4, nodes * VEC4)?;
         self.changed(grown);
         let grown = self.geometry.reserve(device, Some(&mut *encoder), end * VEC4, geometry * VEC4)?;
@@ -214,8 +215,9 @@ impl RayScene {
         Ok(MeshId(self.meshes.len() as u32 - 1))
     }
 
-    /// Sets the frame's instances. `camera` is the camera's position in the world: rays are traced relative to it, so that
-    /// worlds may be large. `encoder` holds the adapter's build. What was there before stays if it fails.
+    /// Sets the instances of the frame. `camera` is the camera's position in world space: rays are traced relative to
+    /// it, so that worlds may be large. `encoder` receives the build of the adapter's top level. If it fails, the scene
+    /// keeps its former instances.
     pub fn update(
         &mut self,
         device: &wgpu::Device,
@@ -227,10 +229,10 @@ impl RayScene {
         self.place(device, queue, Ok(encoder), instances, camera)
     }
 
-    /// [`update`](Self::update) over a top level of the host's own, on [`RayTier::Query`]. It lies in the world; the custom data of
-    /// its instances are their places among `instances`, which have the same transforms; and its bottom levels hold the triangles
-    /// of the meshes in the order in which [`add`](Self::add) had them. World coordinates are its own: far from the origin rays
-    /// are as coarse as these.
+    /// Like [`update`](Self::update), but over a top level of the host's own, on [`RayTier::Query`]. That top level is
+    /// in world space. The custom data of each of its instances is the index into `instances`, which have the same
+    /// transforms. Its bottom levels have the triangles of the meshes in the order in which [`add`](Self::add) got
+    /// them. Far from the origin rays are only as precise as world coordinates are.
     pub fn update_with(
         &mut self,
         device: &wgpu::Device,
@@ -245,7 +247,7 @@ impl RayScene {
         self.place(device, queue, Err(top), instances, camera)
     }
 
-    /// By an encoder that builds our own top level, or by the host's.
+    /// Sets the instances, with an encoder that builds our own top level, or with the host's top level.
     fn place(
         &mut self,
         device: &wgpu::Device,
@@ -267,7 +269,7 @@ impl RayScene {
                 mesh: placed.name.clone(),
                 why,
             })?;
-            // The host's own top level counts those without triangles too.
+            // The host's own top level also counts instances without triangles.
             let Some(bounds) = placed.bounds.or(builder.is_err().then_some([Vec3::ZERO; 2])) else { continue };
             least_offset = least_offset.max(place.least_offset(bounds));
             match self.structures {
@@ -290,7 +292,7 @@ impl RayScene {
             Some(_) => (Vec::new(), (0..records.len() as u32).collect()),
             None => mesh::wide(&boxes, Quality::Dynamic),
         };
-        // Behind the header, and for a ray query where its rays begin.
+        // The records follow the header; for a ray query the header has a second vec4, with the origin of its rays.
         let first = 1 + usize::from(self.structures.is_some()) + nodes.len() * RECORD;
         let bytes = (first + records.len() * RECORD) as u64 * VEC4;
         let grown = self.top.reserve(device, None, bytes, 0)?;
@@ -325,38 +327,42 @@ impl RayScene {
         Ok(())
     }
 
-    /// Instances that rays may meet.
+    /// The number of instances that rays may hit.
     pub fn instances(&self) -> u32 {
         self.instances
     }
 
-    /// Bytes of GPU memory held.
+    /// The GPU memory of its buffers in bytes.
     pub fn bytes(&self) -> u64 {
         [&self.nodes, &self.geometry, &self.top].map(|b| b.buffer.size()).iter().sum()
     }
 
-    /// A mesh's triangles: as the leaves have them, or for a ray query as they were, those without an area in their places.
+    /// The triangles of a mesh in the order of the leaves, or for a ray query in the order of the mesh, including those
+    /// without an area.
     fn order<'a>(&self, mesh: &'a BottomLevel) -> Cow<'a, [[u32; 4]]> {
         if self.structures.is_some() { mesh.as_they_were().into() } else { mesh.triangles[..].into() }
     }
 
-    /// The adapter's top level, of [`RayTier::Query`], or the host's own.
+    /// The top level of [`RayTier::Query`]: the adapter's, or the host's own.
     pub fn top_level(&self) -> Option<&wgpu::Tlas> {
         self.hosts.as_ref().or(self.structures.as_ref().map(|s| &s.top))
     }
 
-    /// Nodes, triangles with vertices, and the top level, for bindings 0 to 2 of `rays_software.wgsl`.
+    /// The buffers of nodes, of triangles with vertices, and of the top level, for bindings 0 to 2 of
+    /// `rays_software.wgsl`.
     pub fn buffers(&self) -> [&wgpu::Buffer; 3] {
         [&self.nodes.buffer, &self.geometry.buffer, &self.top.buffer]
     }
 
-    /// Changes when a buffer is another one: bind groups must be made anew. No two scenes have the same.
+    /// A number that changes when a buffer is replaced, so that bind groups must be recreated. No two scenes have the
+    /// same number.
     pub fn generation(&self) -> u64 {
         self.generation
     }
 
-    /// How far rays start from a surface at least, in the world: what meshes need whose vertices lie much farther from their
-    /// own origin than from the camera, since f32 rounds there. 0 where no mesh does; instances that are moved need none.
+    /// The least distance from a surface at which rays start, in world units. It is above 0 if vertices of a mesh lie
+    /// much farther from their own origin than from the camera, where f32 rounds coarsely. Moving an instance by its
+    /// transform does not need it.
     pub fn least_offset(&self) -> f32 {
         self.least_offset
     }
@@ -367,12 +373,12 @@ impl RayScene {
         }
     }
 
-    /// Who traces.
+    /// How rays are traced.
     pub fn tier(&self) -> RayTier {
         self.tier
     }
 
-    /// Where rays are relative to, in the world.
+    /// The camera position of the last update, in world space. Rays are relative to it.
     pub fn camera(&self) -> Vec3 {
         self.camera
     }
@@ -383,7 +389,7 @@ fn next_generation() -> u64 {
     NEXT.fetch_add(1, Ordering::Relaxed)
 }
 
-/// Of a box.
+/// The corners of a box.
 fn corners(low: Vec3, high: Vec3) -> impl Iterator<Item = DVec3> {
     (0..8).map(move |corner| {
         let pick = |bit: usize| f64::from(if corner >> bit & 1 == 0 { low[bit] } else { high[bit] });
@@ -391,7 +397,7 @@ fn corners(low: Vec3, high: Vec3) -> impl Iterator<Item = DVec3> {
     })
 }
 
-/// Where an instance lies, relative to the camera.
+/// The position of an instance relative to the camera.
 struct Place {
     matrix: DMat3,
     translation: DVec3,
@@ -410,7 +416,7 @@ impl Place {
         );
         let translation = world.translation.as_dvec3() - camera.as_dvec3();
         let volume = matrix.x_axis.length() * matrix.y_axis.length() * matrix.z_axis.length();
-        // Below this, f32 can't undo it.
+        // Below this, the transform can't be inverted in f32.
         if matrix.determinant().abs() <= 1e-6 * volume {
             return Err("flattens it");
         }
@@ -424,8 +430,8 @@ impl Place {
         Ok(Self { matrix, translation, own_from_relative })
     }
 
-    /// 2⁻²¹ of the mesh's own coordinates: a ray is rounded to 2⁻²⁴ of these in each of a few sums. 0 where all that it holds is
-    /// as far from the camera as makes the offset by distance (casting.wgsl) enough.
+    /// 2⁻²¹ of the mesh's own coordinates, since each of a few sums rounds a ray to 2⁻²⁴ of these. 0 if all of the mesh
+    /// is so far from the camera that the offset by distance (casting.wgsl) is enough.
     fn least_offset(&self, [low, high]: [Vec3; 2]) -> f64 {
         let (mut min, mut max, mut own) = (DVec3::INFINITY, DVec3::NEG_INFINITY, 0.0_f64);
         for corner in corners(low, high) {
@@ -438,7 +444,7 @@ impl Place {
         if needed > distance * 2.0_f64.powi(-16) { needed } else { 0.0 }
     }
 
-    /// Rows of the transform from the mesh's own space to that relative to the camera.
+    /// The rows of the transform from the mesh's own space to camera-relative space.
     fn relative_from_own(&self) -> [f32; 12] {
         let row = |i| self.matrix.row(i).extend(self.translation[i]).as_vec4().to_array();
         let mut rows = [0.0; 12];
@@ -446,7 +452,7 @@ impl Place {
         rows
     }
 
-    /// A box around the mesh's own, relative to the camera, with room for the rounding of rays that are carried into the
+    /// The bounding box relative to the camera, with a margin for the rounding of rays that are transformed to the
     /// mesh's own space.
     fn bounds(&self, [low, high]: [Vec3; 2]) -> Aabb {
         let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);

@@ -1,6 +1,6 @@
-//! Twin of `shaders/audit.wgsl`.
+//! Twin of `shaders/passes/audit.wgsl`.
 
-/// A colour as the audit displays it: x/(1+x) of exposed radiance, then the transfer function of sRGB.
+/// The displayed colour of the audit: x/(1+x) of exposed radiance, then the transfer function of sRGB.
 pub fn display(c: [f64; 4], exposure: f64) -> [f64; 3] {
     [c[0], c[1], c[2]].map(|c| {
         let exposed = (c * exposure).clamp(0.0, 1e30);
@@ -9,7 +9,7 @@ pub fn display(c: [f64; 4], exposure: f64) -> [f64; 3] {
     })
 }
 
-/// Squared displayed error of a pixel against the mean of all its samples, the mean over RGB.
+/// The squared displayed error of a pixel against the mean of all its samples, averaged over RGB.
 pub fn squared_error(shown: [f64; 4], all: [f64; 4], exposure: f64) -> f64 {
     let (shown, all) = (display(shown, exposure), display(all, exposure));
     shown.iter().zip(all).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / 3.0

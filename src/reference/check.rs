@@ -1,26 +1,26 @@
-//! Twin of `shaders/check.wgsl`.
+//! Twin of `shaders/passes/check.wgsl`.
 
 use super::octahedral;
 use super::rays::trace::geometric_normal;
 use crate::{Camera, InputCounts, NormalCounts};
 use glam::{DMat3, DMat4, DVec2, DVec3, DVec4};
 
-/// A G-buffer: samples, rows from the top.
+/// A G-buffer, with its rows from the top.
 #[derive(Debug, Clone, Copy)]
 pub struct Input<'a> {
-    /// Of the frame.
+    /// The camera of the frame.
     pub camera: Camera,
-    /// Samples along x and y.
+    /// The number of samples along x and y.
     pub samples: [u32; 2],
-    /// Samples along one side of a window.
+    /// The number of samples along one side of a window.
     pub m: u32,
     /// The depth target.
     pub depth: &'a [f32],
     /// The first colour target.
     pub surface: &'a [[u32; 2]],
-    /// The second.
+    /// The second colour target.
     pub frame: &'a [[u32; 2]],
-    /// The third.
+    /// The third colour target.
     pub uv: &'a [[u32; 4]],
 }
 
@@ -33,7 +33,7 @@ struct Sample {
     valid: bool,
 }
 
-/// What a frame's camera comes to.
+/// The values that are derived from a frame's camera.
 struct View {
     relative_from_clip: DMat4,
     rotation: DMat3,
@@ -41,7 +41,7 @@ struct View {
 }
 
 impl Input<'_> {
-    /// What is counted of all samples.
+    /// The counts of all samples.
     pub fn counts(&self) -> InputCounts {
         let world = self.camera.world_from_view.as_dmat4();
         let mut rotation = world;
@@ -116,7 +116,7 @@ impl Input<'_> {
     fn count_gradient(&self, here: &Sample, next: &Sample, gradient: u32, counts: &mut InputCounts) {
         let slope = (next.uv - here.uv).length();
         let least = 1e-5 + 1e-5 * here.uv.length();
-        // Written so that NaN is none.
+        // Written so that NaN is not counted.
         let counted = slope > least && slope < 1e9;
         if !next.valid || next.identity != here.identity || !counted {
             return;

@@ -1,11 +1,12 @@
-//! Twin of `shaders/list.wgsl`.
+//! Twin of `shaders/passes/list.wgsl`.
 
 use super::plan::Planned;
 
-/// Entry of a pixel list that stands for nothing.
+/// The padding entry of a list of pixels.
 pub const NO_ENTRY: u32 = u32::MAX;
 
-/// The slots of the plan with k > 1, from k = n down to 2, each k padded to whole workgroups of 64.
+/// The list of pixels: the indices into the plan with k > 1, from k = n down to 2, each k padded to whole workgroups of
+/// 64.
 pub fn pixels(plan: &[Planned], n: u32) -> Vec<u32> {
     let mut list = Vec::new();
     for k in (2..=n).rev() {
@@ -16,7 +17,7 @@ pub fn pixels(plan: &[Planned], n: u32) -> Vec<u32> {
     list
 }
 
-/// slot · n + rank of every sample beyond the first, in the order of slots and ranks.
+/// The list of samples: slot · n + rank of every sample beyond the first, in the order of slots and ranks.
 pub fn samples(plan: &[Planned], n: u32) -> Vec<u32> {
     plan.iter().zip(0..).flat_map(|(p, slot)| (1..p.k).map(move |rank| slot * n + rank)).collect()
 }

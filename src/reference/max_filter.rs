@@ -1,9 +1,9 @@
-//! Twin of `shaders/max_filter.wgsl`.
+//! Twin of `shaders/passes/max_filter.wgsl`.
 
-/// Pixels along a side of a block.
+/// The number of pixels along a side of a block.
 pub const BLOCK: u32 = 6;
 
-/// The counts of an image, rows from the top, each the greatest of its block.
+/// The counts of an image, rows from the top, with each replaced by the greatest of its block.
 pub fn max_filter(counts: &[u32], width: u32, height: u32) -> Vec<u32> {
     let greatest = |x: u32, y: u32| {
         let (x0, y0) = (x / BLOCK * BLOCK, y / BLOCK * BLOCK);

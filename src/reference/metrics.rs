@@ -1,50 +1,51 @@
-//! Twin of `shaders/metrics.wgsl`.
+//! Twin of `shaders/passes/metrics.wgsl`.
 
 use super::octahedral;
 pub use crate::host::plan::DecidedBy as By;
 use crate::settings::{DepthMeasure, LuminanceCurve, Windowed};
 use glam::DVec3;
 
-/// Depths at or below are the sky.
+/// Depths at or below this are the sky.
 pub const SKY_DEPTH: f32 = 1e-30;
 
-/// How far f32 arithmetic may move a metric: GPU and twin may differ in k where the metric lies within this of a half.
+/// The greatest rounding error of a metric in f32: GPU and twin may differ in k if the metric lies within this of a
+/// half.
 pub const ROUNDING_BAND: f64 = 2e-3;
 
-/// What the metrics read.
+/// The input of the metrics.
 #[derive(Debug, Clone, Copy)]
 pub struct Input<'a> {
-    /// Samples along one side of a window.
+    /// The number of samples along one side of a window.
     pub m: usize,
-    /// Pixels.
+    /// The width of the output in pixels.
     pub width: usize,
-    /// Pixels.
+    /// The height of the output in pixels.
     pub height: usize,
-    /// (m·width) × (m·height), reading order.
+    /// The depth target, (m·width) × (m·height), in reading order.
     pub depth: &'a [f32],
-    /// As `depth`: normal, identity.
+    /// The first colour target, in the same order: normal, identity.
     pub surface: &'a [[u32; 2]],
     /// S, width × height.
     pub first: &'a [[f32; 4]],
-    /// The shadow bits of the first samples, width × height; empty where nothing was traced.
+    /// The shadow bits of the first samples, width × height; empty if nothing was traced.
     pub shadow: &'a [u32],
-    /// [`Frame::exposure`](crate::Frame::exposure).
+    /// The exposure, [`Frame::exposure`](crate::Frame::exposure).
     pub exposure: f32,
 }
 
-/// What one window is worth.
+/// The result of the metrics for a window.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Worth {
-    /// 1 to n.
+    /// The number of samples, 1 to n.
     pub k: u32,
-    /// Before rounding, 1 to n.
+    /// The number of samples before rounding, 1 to n.
     pub exact: f64,
-    /// What decided.
+    /// The metric that decided it.
     pub by: By,
 }
 
 impl Worth {
-    /// Whether f32 may round to another k.
+    /// Whether rounding in f32 may give another k.
     pub fn is_near_a_half(&self) -> bool {
         ((self.exact - self.exact.floor()) - 0.5).abs() < ROUNDING_BAND
     }
@@ -80,7 +81,7 @@ impl Input<'_> {
         self.depth(x as isize, y as isize) == 0.0
     }
 
-    /// Σ(d − mean)²/n over mean²: two passes, since there is f64 and time.
+    /// The variance of the depths over their squared mean, Σ(d − mean)²/n over mean², in two passes.
     pub fn depth_variance(&self, px: usize, py: usize) -> f64 {
         let n = (self.m * self.m) as f64;
         let depths: Vec<f64> = self.samples(px, py).map(|(x, y)| self.depth(x as isize, y as isize)).collect();
@@ -147,7 +148,7 @@ impl Input<'_> {
         if range < threshold { 0.0 } else { range }
     }
 
-    /// More than one material or object, the sky counted as one.
+    /// Whether the window has more than one material or object. The sky counts as one.
     pub fn mixed_identity(&self, px: usize, py: usize) -> bool {
         let identity = |(x, y): (usize, usize)| (self.surface(x, y)[1], self.is_sky(x, y));
         let mut all = self.samples(px, py).map(identity);
@@ -155,7 +156,7 @@ impl Input<'_> {
         all.any(|i| Some(i) != first)
     }
 
-    /// The first sample and a direct neighbour's are lit by different lights; the sky says nothing.
+    /// Whether the first sample has other shadow bits than that of a direct neighbour. The sky is ignored.
     pub fn mixed_shadow(&self, px: usize, py: usize) -> bool {
         let corner = |x: usize, y: usize| {
             let (dx, dy) = crate::window::order(self.m as u32)[0];
@@ -171,7 +172,7 @@ impl Input<'_> {
         corner(px, py) && around.into_iter().any(|(x, y)| corner(x, y) && bits(x, y) != bits(px, py))
     }
 
-    /// k of a window: the greatest of all metrics.
+    /// The k of a window: the greatest of all metrics.
     pub fn worth(&self, px: usize, py: usize, w: &Windowed) -> Worth {
         let n = (self.m * self.m) as f64;
         let mut exact = 1.0;

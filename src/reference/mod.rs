@@ -1,6 +1,6 @@
-//! The CPU twin: every pass again in f64, to be read beside its shader and held against it by tests.
+//! The CPU twin: every pass again in f64, to be read beside its shader. Tests compare the two.
 //!
-//! The twin takes what the GPU pass took (the G-buffer's bits, S, the counts) and says what it should have made of it. k is
+//! The twin takes the input of the GPU pass (the G-buffer's bits, S, the counts) and computes its expected output. k is
 //! an integer, so both must agree, except where the metric lies within [`metrics::ROUNDING_BAND`] of a half.
 
 pub mod audit;

@@ -1,56 +1,57 @@
-//! Twin of `shaders/lattice.wgsl`, `residual.wgsl`, `refine.wgsl` and `map.wgsl`.
+//! Twin of `lattice.wgsl`, `residual.wgsl`, `refine.wgsl` and `lattice_to_pixels.wgsl` in `shaders/lattice`.
 
 use super::reconstruct::{Geometry, View, geometry, weight};
 use crate::gpu::uniforms::lattice::{self, LatticeStep, LatticeSteps, LatticeUse};
 use crate::settings::{LuminanceCurve, MultiResolution, Pattern, Reconstructed};
 use glam::DVec3;
 
-/// How far f32 arithmetic may move a residual of colour: GPU and twin may differ where one is as near to its threshold.
+/// The greatest rounding error of a residual of colour in f32: GPU and twin may differ if one is as near to its
+/// threshold.
 pub const COLOR_BAND: f64 = 2e-6;
-/// Likewise of position.
+/// The same for a residual of position.
 pub const POSITION_BAND: f64 = 2e-5;
-/// Likewise the weights of interpolation.
+/// The same for the weights of interpolation.
 pub const WEIGHT_BAND: f64 = 1e-3;
 
-/// Why a point is sampled, the second byte of its word.
+/// The reason for choosing a point: the second byte of its word.
 pub mod by {
-    /// It is not.
+    /// The point is not chosen.
     pub const SMOOTH: u32 = 0;
-    /// Colour departs from the mean of opposite neighbours.
+    /// Its colour differs from the mean of opposite neighbours.
     pub const COLOR: u32 = 1;
-    /// Its place in the world does.
+    /// Its position in the world differs from the mean of opposite neighbours.
     pub const POSITION: u32 = 2;
-    /// Another surface lies between.
+    /// Its parents lie on another surface.
     pub const EDGE: u32 = 3;
-    /// Other lights reach it.
+    /// Its shadow bits differ.
     pub const SHADOW: u32 = 4;
-    /// There is nothing coarser.
+    /// Its lattice is the coarsest.
     pub const COARSEST: u32 = 5;
 }
 
-/// Points over a G-buffer.
+/// A lattice of points over a G-buffer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lattice {
-    /// How they lie.
+    /// The arrangement of the points.
     pub pattern: Pattern,
-    /// log2 of their pitch in pixels.
+    /// The base-2 logarithm of their pitch in pixels.
     pub level: u32,
-    /// Columns and rows; the last few lie beyond the image.
+    /// The number of columns and rows. The last few lie beyond the image.
     pub size: [u32; 2],
-    /// Of their words and colours.
+    /// The index of the first point's word and colour.
     pub first: u32,
-    /// As in [`Statistics::points`](crate::Statistics::points).
+    /// The position among the lattices, as in [`Statistics::points`](crate::Statistics::points).
     pub place: u32,
 }
 
-/// From one lattice to the next finer.
+/// The step from one lattice to the next finer one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Step {
-    /// What is refined.
+    /// The finer lattice.
     pub points: Lattice,
-    /// From what; `None`: every point is sampled.
+    /// The coarser lattice. `None`: there is none, and every point is chosen.
     pub parents: Option<Lattice>,
-    /// It is about rays.
+    /// Whether the lattice's points cast rays.
     pub rays: bool,
 }
 
@@ -79,7 +80,7 @@ pub fn steps(settings: &MultiResolution, size: [u32; 2], rays: bool) -> Vec<Step
 pub type Sample = [u32; 3];
 
 impl Lattice {
-    /// Height of a row over the pitch.
+    /// The height of a row over the pitch.
     fn row(&self) -> f64 {
         if self.pattern == Pattern::Equilateral { 56756.0 / 65536.0 } else { 1.0 }
     }
@@ -92,13 +93,13 @@ impl Lattice {
         [i.clamp(0, i64::from(self.size[0]) - 1), j.clamp(0, i64::from(self.size[1]) - 1)]
     }
 
-    /// Of a point's word and colour.
+    /// The index of a point's word and colour.
     pub fn index(&self, at: [i64; 2]) -> usize {
         let [i, j] = self.clamped(at);
         self.first as usize + (j * i64::from(self.size[0]) + i) as usize
     }
 
-    /// Offsets to the neighbours on opposite sides.
+    /// The offsets to pairs of opposite neighbours.
     fn pairs(&self, row: i64) -> Vec<[[i64; 2]; 2]> {
         if self.pattern == Pattern::Quad {
             return vec![[[-1, 0], [1, 0]], [[0, -1], [0, 1]], [[-1, -1], [1, 1]], [[-1, 1], [1, -1]]];
@@ -109,14 +110,14 @@ impl Lattice {
 }
 
 impl Step {
-    /// The coarser points around a point, and how much of it each is.
+    /// The coarser points around a point, with their weights.
     pub fn parents(&self, [i, j]: [i64; 2]) -> Vec<([i64; 2], f64)> {
         let Some(coarse) = self.parents else { return Vec::new() };
         let scale = f64::from(1 << self.points.level) / f64::from(1 << coarse.level);
         let x = (i as f64 + self.points.shift(j)) * scale;
         let y = j as f64 * scale * (self.points.row() / coarse.row());
         let (row, fy) = (y.floor() as i64, y - y.floor());
-        // Each row's own, between two; a triangle has the nearer part of one of them.
+        // The point to the left of x on a row, and the way from it to x.
         let on_row = |row: i64, x: f64| {
             let along = x - coarse.shift(row);
             (along.floor() as i64, along - along.floor())
@@ -130,7 +131,7 @@ impl Step {
                 ([i + 1, row + 1], fx * fy),
             ]
         } else {
-            // Down the side of the triangle to its base.
+            // Follows the side of the triangle down to its base.
             let (lower, fa) = on_row(row, x - fy / 2.0);
             let (upper, _) = on_row(row + 1, lower as f64 + coarse.shift(row) + 0.5);
             if fa + fy <= 1.0 {
@@ -143,55 +144,55 @@ impl Step {
     }
 }
 
-/// What a frame refines by.
+/// The input of the passes.
 #[derive(Clone, Copy)]
 pub struct Input<'a> {
-    /// Of the frame.
+    /// The camera of the frame.
     pub view: View,
-    /// Samples along one side of a window.
+    /// The number of samples along one side of a window.
     pub m: u32,
-    /// [`window::order`](crate::window::order).
+    /// The order of samples, [`window::order`](crate::window::order).
     pub places: &'a [(u8, u8)],
-    /// Pixels.
+    /// The size of the output in pixels.
     pub size: [u32; 2],
     /// The depth target, rows from the top.
     pub depth: &'a [f32],
     /// The first colour target.
     pub surface: &'a [[u32; 2]],
-    /// [`Frame::exposure`](crate::Frame::exposure).
+    /// The exposure, [`Frame::exposure`](crate::Frame::exposure).
     pub exposure: f32,
-    /// The shadow bits of a point, by its index, that has this sample.
+    /// The shadow bits of a point, given its index and its sample.
     pub shadow: &'a dyn Fn(usize, Sample) -> u32,
-    /// Its colour, or what it reflects and refracts, with 1 if anything was traced for it.
+    /// The colour of a point, or the radiance that it reflects and refracts, with 1 in w if anything was traced.
     pub value: &'a dyn Fn(usize, Sample) -> [f64; 4],
 }
 
-/// What became of a point.
+/// The result for a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Refined {
     /// The low 16 bits of its word.
     pub word: u32,
-    /// Interpolated, or a coarser point's.
+    /// The interpolated value, or that of a coarser point.
     pub value: Option<[f64; 4]>,
-    /// Shadow bits, likewise.
+    /// The interpolated shadow bits, or those of a coarser point.
     pub shadow: u32,
-    /// Nothing is so near to a threshold that rounding could decide otherwise.
+    /// Whether rounding could not have changed the result: nothing is too near to a threshold.
     pub sure: bool,
 }
 
-/// A residual of a neighbourhood.
+/// The residual of a neighbourhood.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Residual {
-    /// Of the channel with the greatest.
+    /// The greatest residual of the three channels.
     pub color: f64,
-    /// [`by`].
+    /// The reason to refine, see [`by`].
     pub by: u32,
-    /// No rounding could decide otherwise.
+    /// Whether rounding could not have changed the result.
     pub sure: bool,
 }
 
 impl Input<'_> {
-    /// Where a point lies, in samples.
+    /// The position of a point in samples.
     fn place(&self, l: &Lattice, at: [i64; 2]) -> [i64; 2] {
         let [i, j] = l.clamped(at);
         let first = self.places[0];
@@ -201,7 +202,7 @@ impl Input<'_> {
         [i * pitch + shifted + i64::from(first.0), row + i64::from(first.1)]
     }
 
-    /// Whether a point lies in the image, and does not stand in for what is beyond.
+    /// Whether a point lies in the image.
     pub fn is_inside(&self, l: &Lattice, at: [i64; 2]) -> bool {
         self.place(l, at).into_iter().zip(self.size).all(|(v, side)| v < i64::from(self.m * side))
     }
@@ -229,7 +230,7 @@ impl Input<'_> {
         }
     }
 
-    /// Of a point; beyond the lattice lie copies of its border.
+    /// The residual of a point. Beyond the lattice, points of its border are repeated.
     pub fn residual(&self, l: &Lattice, at: [i64; 2], rays: bool, settings: &MultiResolution) -> Residual {
         struct Judged {
             shown: [f64; 3],
@@ -283,7 +284,7 @@ impl Input<'_> {
         Residual { color, by, sure: !near_color && !near_position }
     }
 
-    /// A point of a step that has parents.
+    /// The result for a point of a step with parents.
     pub fn refine(
         &self,
         step: &Step,
@@ -350,7 +351,8 @@ impl Input<'_> {
         })
     }
 
-    /// k of a pixel that is refined beyond the pixels, and whether no rounding could change it. `own`: it was shaded.
+    /// The k of a pixel that may be refined beyond the lattice of pixels, and whether rounding could not have changed
+    /// it. `own` says whether its point was shaded.
     pub fn windows(&self, pixels: &Lattice, x: u32, y: u32, own: bool, settings: &MultiResolution) -> (u32, bool) {
         let residual = self.residual(pixels, [i64::from(x), i64::from(y)], false, settings);
         let n = self.m * self.m;

@@ -1,11 +1,11 @@
-//! Twin of `shaders/octahedral.wgsl`.
+//! Twin of `shaders/shared/octahedral.wgsl`.
 
 use glam::{DVec3, DVec4};
 use std::f64::consts::TAU;
 
 pub use crate::octahedral::{decode, encode};
 
-/// A unit tangent and the bitangent's sign from their 16-bit code; `n` is the decoded normal.
+/// Decodes a unit tangent and the bitangent's sign from their 16-bit code; `n` is the decoded normal.
 pub fn tangent_decode(n: DVec3, code: u32) -> DVec4 {
     let s = if n.z >= 0.0 { 1.0 } else { -1.0 };
     let a = -1.0 / (s + n.z);

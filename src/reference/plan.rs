@@ -1,17 +1,18 @@
-//! Twin of `shaders/plan.wgsl`.
+//! Twin of `shaders/passes/plan.wgsl`.
 
 use crate::TILE;
 
-/// k and the place in the tile's list of each pixel.
+/// The plan of a pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Planned {
-    /// 1 to n; 0 outside of the image.
+    /// The number of samples, 1 to n; 0 outside the image.
     pub k: u32,
-    /// Samples of the tile before this window's.
+    /// The number of the tile's samples before this window's.
     pub before: u32,
 }
 
-/// The plan of an image, tile after tile, pixels of a tile in reading order; and how many tiles fell back to k = 1.
+/// The plan of an image, tile by tile with the pixels of a tile in reading order, and the number of tiles that fell
+/// back to k = 1.
 pub fn plan(counts: &[u32], width: u32, height: u32, tile_limit: u32) -> (Vec<Planned>, u32) {
     let mut planned = Vec::new();
     let mut overflowed = 0;

@@ -1,38 +1,38 @@
-//! Twin of `shaders/reconstruct.wgsl`.
+//! Twin of `shaders/passes/reconstruct.wgsl`.
 
 use super::octahedral;
 use crate::{Camera, Reconstructed, window};
 use glam::{DMat4, DVec3, DVec4};
 
-/// What a frame reconstructs from.
+/// The input of the pass.
 #[derive(Clone, Copy)]
 pub struct Input<'a> {
-    /// Of the frame.
+    /// The camera of the frame.
     pub camera: Camera,
-    /// Samples along one side of a window.
+    /// The number of samples along one side of a window.
     pub m: u32,
-    /// Pixels.
+    /// The size of the output in pixels.
     pub size: [u32; 2],
     /// The depth target, rows from the top.
     pub depth: &'a [f32],
     /// The first colour target.
     pub surface: &'a [[u32; 2]],
-    /// S.
+    /// S, the image of first samples.
     pub first: &'a [[f32; 4]],
     /// The shadow bits of a pixel and a rank.
     pub shadow: &'a dyn Fn(u32, u32, u32) -> u32,
-    /// What the host's code makes of a pixel and a rank.
+    /// The result of the host's code for a pixel and a rank.
     pub shade: &'a dyn Fn(u32, u32, u32) -> [f64; 4],
 }
 
-/// A pixel.
+/// The result for a pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pixel {
-    /// Its mean, of equal weights.
+    /// The mean of its samples with equal weights.
     pub color: [f64; 4],
-    /// Shaded samples, the first included.
+    /// The number of shaded samples, the first included.
     pub k: u32,
-    /// No weight is so near to a threshold that rounding could decide otherwise.
+    /// Whether rounding could not have changed the result: no weight is too near to a threshold.
     pub sure: bool,
 }
 
@@ -45,7 +45,7 @@ pub(super) struct Geometry {
     pub shadow: u32,
 }
 
-/// How near to a threshold rounding may reach.
+/// The greatest distance from a threshold that rounding may bridge.
 const NEAR: f64 = 1e-3;
 
 impl Input<'_> {
@@ -58,7 +58,7 @@ impl Input<'_> {
         geometry(&View::new(&self.camera), self.m, self.size, self.depth, self.surface, self.shadow, order, at)
     }
 
-    /// One pixel of the frame, with an exposure of 1.
+    /// Computes one pixel of the frame, with an exposure of 1.
     pub fn pixel(&self, x: u32, y: u32, settings: &Reconstructed) -> Pixel {
         let order = self.order(settings);
         let samples = settings.samples(self.m) as usize;
@@ -142,7 +142,7 @@ fn mean(colors: &[[f64; 4]]) -> [f64; 4] {
     std::array::from_fn(|c| colors.iter().map(|color| color[c]).sum::<f64>() / colors.len() as f64)
 }
 
-/// Where a camera looks.
+/// The values that are derived from a frame's camera.
 #[derive(Debug, Clone, Copy)]
 pub struct View {
     relative_from_clip: DMat4,
@@ -150,7 +150,7 @@ pub struct View {
 }
 
 impl View {
-    /// Of a frame's camera.
+    /// Derives the values.
     pub fn new(camera: &Camera) -> Self {
         let mut rotation = camera.world_from_view.as_dmat4();
         let forward = -rotation.z_axis.truncate().normalize();

@@ -1,8 +1,9 @@
-//! Twin of `shaders/mean.wgsl` and `shaders/resolve.wgsl`: what a pixel's samples become.
+//! Twin of `shaders/shared/mean.wgsl` and `shaders/passes/resolve.wgsl`: the colour of a pixel from its samples.
 
 use crate::settings::Weight;
 
-/// What may enter a mean: NaN and infinity become opaque black, negative components 0, 1e30 is the ceiling.
+/// A sample after its clean-up: NaN and infinity become opaque black, negative components become 0, and values are
+/// limited to 1e30.
 pub fn clean(c: [f64; 4]) -> [f64; 4] {
     if c.iter().all(|v| v.is_finite()) { c.map(|v| v.clamp(0.0, 1e30)) } else { [0.0, 0.0, 0.0, 1.0] }
 }

@@ -1,56 +1,57 @@
-//! Twin of `shaders/select.wgsl` and `shaders/extra.wgsl`.
+//! Twin of `shaders/passes/select.wgsl` and `shaders/passes/quadrants.wgsl`.
 
 use super::octahedral;
 use super::resolve;
 use crate::settings::{ColorReference, LuminanceCurve, Selective, Weight};
 use crate::window;
 
-/// How far f32 arithmetic may move a contrast or a cosine: GPU and twin may differ where one is as near to its threshold.
+/// The greatest rounding error of a contrast or a cosine in f32: GPU and twin may differ if one is as near to its
+/// threshold.
 pub const ROUNDING_BAND: f64 = 2e-6;
 
-/// What a frame selects by.
+/// The input of the passes.
 #[derive(Clone, Copy)]
 pub struct Input<'a> {
-    /// Samples along one side of a window.
+    /// The number of samples along one side of a window.
     pub m: u32,
-    /// [`window::centred`].
+    /// The order of samples, [`window::centred`].
     pub places: &'a [(u8, u8)],
-    /// Pixels.
+    /// The size of the output in pixels.
     pub size: [u32; 2],
     /// The depth target, rows from the top.
     pub depth: &'a [f32],
     /// The first colour target.
     pub surface: &'a [[u32; 2]],
-    /// S.
+    /// S, the image of first samples.
     pub first: &'a [[f32; 4]],
-    /// [`Frame::exposure`](crate::Frame::exposure).
+    /// The exposure, [`Frame::exposure`](crate::Frame::exposure).
     pub exposure: f32,
     /// The shadow bits of a pixel's first sample.
     pub shadow: &'a dyn Fn(u32, u32) -> u32,
-    /// What a pixel's first sample reflects (0) and refracts (1): `daa_secondary_hit`.
+    /// The surface that a pixel's first sample reflects (kind 0) or refracts (1): `daa_secondary_hit`.
     pub hit: &'a dyn Fn(u32, u32, u32) -> [u32; 3],
     /// Whether a material has a texture.
     pub textured: &'a dyn Fn(u32) -> bool,
-    /// How much an object counts, 0 to 1, in steps of 1/255.
+    /// The importance of an object, 0 to 1, in steps of 1/255.
     pub importance: &'a dyn Fn(u32) -> f64,
 }
 
-/// What a threshold is for, in the order of the thresholds: colour, then object, normal, shadow and texture of what is shown, then
-/// of what is reflected and refracted.
+/// The attribute of a threshold, in the order of the thresholds: colour; object, normal, shadow and texture of the
+/// shown surface; and the same of reflected and refracted surfaces.
 pub type Attribute = usize;
 
 /// A quadrant: upper left, upper right, lower left or lower right.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Quadrant {
-    /// Four samples are worth it.
+    /// Whether four of its samples are shaded.
     pub active: bool,
-    /// What its threshold is for.
+    /// The attribute of its threshold.
     pub by: Attribute,
-    /// Nothing is so near to a threshold that rounding could decide otherwise.
+    /// Whether rounding could not have changed the result: nothing is too near to a threshold.
     pub sure: bool,
 }
 
-/// What one surface is compared by; `None`: nothing is seen or met.
+/// The values by which a surface is compared.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Hit {
     object: u32,
@@ -92,7 +93,7 @@ impl Input<'_> {
         (dx.hypot(dy) / 4.0).min(1.0)
     }
 
-    /// Of what a pixel shows, reflects and refracts.
+    /// The surfaces that a pixel shows, reflects and refracts.
     fn hits(&self, x: i64, y: i64, s: &Selective) -> [Option<Hit>; 3] {
         let [x, y] = self.clamped(x, y);
         let hit = |object: u32, material: u32, normal: u32, bits: u32| Hit {
@@ -117,7 +118,7 @@ impl Input<'_> {
         if s.focused { hit.map_or(0.0, |hit| (self.importance)(hit.object)) } else { 1.0 }
     }
 
-    /// One quadrant of a pixel.
+    /// The result for one quadrant of a pixel.
     pub fn quadrant(&self, x: u32, y: u32, quadrant: u32, s: &Selective) -> Quadrant {
         let (x, y) = (i64::from(x), i64::from(y));
         let (dx, dy) = (if quadrant & 1 == 0 { -1 } else { 1 }, if quadrant & 2 == 0 { -1 } else { 1 });
@@ -163,7 +164,7 @@ impl Input<'_> {
         for (i, &importance) in disagreeing.iter().enumerate() {
             if let (Some(tau), true) = (thresholds[1 + i], importance > 0.0) {
                 let tau = tau * importance + thresholds[0].unwrap_or(1.0) * (1.0 - importance);
-                // Between is a matter of rounding only where two are as good as equal.
+                // Rounding can decide between two thresholds only if they are almost equal.
                 if least.is_none_or(|(other, _)| tau < other) {
                     least = Some((tau, 1 + i));
                 }
@@ -207,7 +208,7 @@ impl Input<'_> {
         Quadrant { active, by, sure }
     }
 
-    /// The word of a pixel in the plan, and whether no rounding could have changed it.
+    /// The word of a pixel in the plan, and whether rounding could not have changed it.
     pub fn planned(&self, x: u32, y: u32, s: &Selective) -> (u32, bool) {
         let quadrants = [0, 1, 2, 3].map(|q| self.quadrant(x, y, q, s));
         let active = (0..4).map(|q| u32::from(quadrants[q as usize].active) << q).sum();
@@ -215,13 +216,13 @@ impl Input<'_> {
         (self.samples(active) | by << 8 | active << 16, quadrants.iter().all(|q| q.sure))
     }
 
-    /// k of a pixel with these active quadrants.
+    /// The k of a pixel with these active quadrants.
     pub fn samples(&self, active: u32) -> u32 {
         let others = self.places.iter().skip(1);
         1 + others.filter(|&&(x, y)| window::quadrants(self.m, x, y) & active != 0).count() as u32
     }
 
-    /// A pixel's colour, where `shade` says what the host's code makes of the sample at a place of its window.
+    /// The colour of a pixel. `shade` is the result of the host's code for the sample at a position of its window.
     pub fn pixel(
         &self,
         x: u32,
@@ -231,7 +232,8 @@ impl Input<'_> {
         weight: Weight,
         shade: &dyn Fn(u8, u8) -> [f64; 4],
     ) -> [f64; 4] {
-        // Each quadrant is a quarter of the pixel: the mean of its samples, by the share of them that it covers.
+        // Each quadrant has a quarter of the weight: the mean of its samples, weighted by the share of each that it
+        // covers.
         let (mut sum, mut weights) = ([0.0; 4], 0.0);
         let mut add = |c: [f64; 4], share: f64| {
             let luminance = 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
@@ -258,7 +260,7 @@ impl Input<'_> {
             };
             let all: f64 = self.places.iter().map(share).sum();
             for (rank, place) in self.places.iter().enumerate().filter(|(_, place)| share(place) > 0.0) {
-                // The first one is there already.
+                // The first sample is already shaded.
                 let c = if rank == 0 { self.first(px, py) } else { resolve::clean(shade(place.0, place.1)) };
                 add(c, 0.25 * share(place) / all);
             }

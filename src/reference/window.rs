@@ -1,13 +1,13 @@
 //! Twin of the window order: the matrices as Holländer et al. 2013, Figure 3, prints them.
 
-/// Ranks in reading order, m = 2.
+/// The ranks in reading order at m = 2.
 pub const PRINTED_2: [[u8; 2]; 2] = [[0, 2], [3, 1]];
-/// m = 3.
+/// The ranks in reading order at m = 3.
 pub const PRINTED_3: [[u8; 3]; 3] = [[2, 6, 3], [5, 0, 8], [1, 7, 4]];
-/// m = 4.
+/// The ranks in reading order at m = 4.
 pub const PRINTED_4: [[u8; 4]; 4] = [[1, 8, 2, 10], [12, 4, 14, 6], [3, 11, 0, 9], [15, 7, 13, 5]];
 
-/// The matrix of an order, ranks in reading order.
+/// The matrix of an order: its ranks in reading order.
 pub fn matrix(places: &[(u8, u8)], m: u32) -> Vec<u8> {
     let mut ranks = vec![0; places.len()];
     for (rank, &(x, y)) in places.iter().enumerate() {

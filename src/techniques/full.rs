@@ -1,4 +1,4 @@
-//! `Full`: every sample is shaded. The grid reference.
+//! `Full`: shades every sample.
 
 use super::image::{Shown, image_or_view};
 use super::method::{Counted, Effort, Method, Windows};

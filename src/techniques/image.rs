@@ -1,17 +1,17 @@
-//! The last step of every frame: the image, or a debug view in its place.
+//! The last step of every frame: it writes the image, or a debug view in its place.
 
 use crate::gpu::binding::PassData;
 use crate::host::needs::RayInputs;
 use crate::passes::view;
 use crate::settings::{DebugView, Settings};
 
-/// What there is to show of a frame.
+/// The resources of a frame that can be shown.
 pub(super) struct Shown {
-    /// Where the image lies: a pass of resolve.
+    /// The pass of resolve for the resource that holds the image.
     pub image: &'static PassData,
-    /// The plan says something of each pixel.
+    /// Whether the plan has a word for each pixel.
     pub planned: bool,
-    /// Tiles were classified.
+    /// Whether tiles were classified.
     pub classified: bool,
     pub inputs: RayInputs,
 }

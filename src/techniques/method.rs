@@ -1,4 +1,4 @@
-//! What a technique is made of.
+//! The trait of techniques.
 
 use crate::gpu::step::Steps;
 use crate::gpu::uniforms::frame::FrameUniform;
@@ -8,7 +8,7 @@ use crate::host::needs::{Needs, RayInputs};
 use crate::host::statistics::{Counters, DecidedCounts};
 use crate::settings::{Execution, Settings};
 
-/// The effort of a frame with a goal: what it is scaled by, and how far below its audit looks ahead, log2.
+/// The effort of a frame with a goal, and the step below it at which its audit also measures the error; both log2.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Effort {
     pub effort: f32,
@@ -22,7 +22,7 @@ pub(crate) struct Windows {
     pub windows: u64,
 }
 
-/// What the counters of a frame say.
+/// The meaning of a frame's counters.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Counted {
     pub shaded: u64,
@@ -31,14 +31,14 @@ pub(crate) struct Counted {
 }
 
 impl Counted {
-    /// Of frames whose passes count windows by k.
+    /// For frames whose passes count windows by k.
     pub fn by_k(counters: &Counters, n: usize, decided: DecidedCounts) -> Self {
         let histogram_k = counters.histogram[..n].to_vec();
         let shaded = histogram_k.iter().zip(1u64..).map(|(&windows, k)| u64::from(windows) * k).sum();
         Self { shaded, histogram_k, decided }
     }
 
-    /// Of frames all of whose windows have the same k.
+    /// For frames in which all windows have the same k.
     pub fn uniform(k: usize, of: Windows) -> Self {
         let mut histogram_k = vec![0; of.n];
         histogram_k[k - 1] = of.windows as u32;
@@ -46,14 +46,14 @@ impl Counted {
     }
 }
 
-/// No metric decides anything.
+/// The counts of frames in which no metric decides k.
 pub(super) fn nothing(of: Windows) -> DecidedCounts {
     DecidedCounts { nothing: of.windows as u32, ..Default::default() }
 }
 
-/// A technique: what it refuses, what it tells the shaders, its passes, and what its counters mean.
+/// A technique: its check of a frame, its part of the constants, its passes, and the meaning of its counters.
 pub(crate) trait Method: Sync {
-    /// Refuses frames that the ranges of the settings let through.
+    /// Refuses frames that the technique can't render although all settings are in range.
     fn check(&self, _settings: &Settings, _needs: &Needs<'_>, _size: [u32; 2], _m: u32) -> Result<(), RecordError> {
         Ok(())
     }
@@ -61,33 +61,33 @@ pub(crate) trait Method: Sync {
     /// Fills in its part of the frame's constants.
     fn uniform(&self, settings: &Settings, m: u32, effort: Option<Effort>, uniform: &mut FrameUniform);
 
-    /// Its passes in order.
+    /// The passes of a frame, in order.
     fn steps(&self, settings: &Settings, inputs: RayInputs) -> Steps;
 
-    /// What its counters mean.
+    /// Interprets the counters.
     fn count(&self, counters: &Counters, of: Windows) -> Counted;
 
-    /// How its planned samples are run, if the settings say.
+    /// The execution of its planned samples, `None` if it ignores the setting.
     fn execution(&self, _settings: &Settings) -> Option<Execution> {
         None
     }
 
-    /// The lattices that it goes through.
+    /// The lattices that it refines, if any.
     fn lattices(&self, _settings: &Settings, _size: [u32; 2], _inputs: RayInputs) -> Option<LatticeSteps> {
         None
     }
 
-    /// Whether it can be scaled to a goal.
+    /// Whether it can be scaled by an effort to meet a goal.
     fn has_effort(&self) -> bool {
         false
     }
 
-    /// Whether it looks at what the host says of its materials and objects.
+    /// Whether it reads the marks of materials and objects ([`Needs::textured`], [`Needs::importance`]).
     fn reads_marks(&self) -> bool {
         false
     }
 
-    /// Whether it looks at what the rays of first samples met.
+    /// Whether it reads the hits of the rays of first samples.
     fn reads_hits(&self) -> bool {
         false
     }

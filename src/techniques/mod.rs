@@ -1,5 +1,5 @@
-//! The techniques, a file each: what of a frame's settings they check, what they tell the shaders, their passes in order, and what
-//! their counters mean.
+//! The techniques, a file each: their check of a frame, their part of the constants, their passes in order, and the
+//! meaning of their counters.
 
 mod full;
 mod image;
@@ -19,7 +19,7 @@ use method::Method;
 
 pub(crate) use method::{Effort, Windows};
 
-/// A technique.
+/// The implementation of a technique.
 pub(crate) fn of(technique: Technique) -> &'static dyn Method {
     match technique {
         Technique::Full => &full::Full,

@@ -1,5 +1,5 @@
-//! `MultiResolution`: from a coarse lattice of points to a fine one, and on request to more samples a pixel (University of Alaska
-//! Fairbanks thesis on tri-adaptive sampling).
+//! `MultiResolution`: refines a coarse lattice of points into finer ones, and on request into more samples a pixel
+//! (University of Alaska Fairbanks thesis on tri-adaptive sampling).
 
 use super::image::{Shown, image_or_view};
 use super::method::{Counted, Effort, Method, Windows, nothing};
@@ -20,10 +20,11 @@ use crate::settings::{DebugView, Execution, LuminanceCurve, Pattern, Settings};
 
 pub(super) struct MultiResolution;
 
-/// The lattice of the pixels, which S is taken from.
+/// The lattice of pixels, from which S is computed.
 const PIXELS: LatticeStep = LatticeStep { of: LatticeUse::Shading, level: lattice::Level::Pixels };
 
-/// A use's lattices from the coarsest: each is refined from the one before, and its chosen points are sampled.
+/// The steps over the lattices of a use, from the coarsest: each lattice is refined from the one before, and its chosen
+/// points are sampled.
 fn levels<T: IntoIterator<Item = Step>>(
     settings: &Settings,
     of: LatticeUse,
@@ -39,7 +40,7 @@ fn levels<T: IntoIterator<Item = Step>>(
 }
 
 impl Method for MultiResolution {
-    /// Whether the lattices fit the image, and the node.
+    /// Checks that the lattices fit the image and the node.
     fn check(&self, settings: &Settings, _: &Needs<'_>, [width, height]: [u32; 2], m: u32) -> Result<(), RecordError> {
         let lattices = &settings.multi_resolution;
         let most = width.max(height).ilog2();
@@ -69,7 +70,7 @@ impl Method for MultiResolution {
 
     fn steps(&self, settings: &Settings, inputs: RayInputs) -> Steps {
         let more = settings.multi_resolution.supersampled;
-        // Lattices cast by points, not by tiles.
+        // Lattices cast rays from their points, so tiles only matter for the planned samples.
         let classified = inputs.any() && more;
         let image: &'static PassData = if more { &resolve::BY_PLAN } else { &resolve::LATTICE };
         let to_pixels: &'static PassData = if more { &lattice_to_pixels::COUNTED } else { &lattice_to_pixels::FINAL };
@@ -90,7 +91,7 @@ impl Method for MultiResolution {
         let points = counters.points.sum();
         let mut counted = Counted::by_k(counters, of.n, counters.decided);
         if counted.histogram_k.iter().all(|&windows| windows == 0) {
-            // No plan has counted.
+            // No plan pass has counted the windows.
             counted.histogram_k[0] = points.min(of.windows) as u32;
             counted.decided = nothing(of);
         }

@@ -1,4 +1,4 @@
-//! From counts of samples to shaded windows: what `Windowed` and `MultiResolution` have in common.
+//! The steps from counts of samples to shaded windows, which `Windowed` and `MultiResolution` share.
 
 use super::rays;
 use crate::gpu::binding::PassData;

@@ -1,16 +1,16 @@
-//! The steps that cast rays, where a frame asks for them.
+//! The steps that cast rays, in frames that need rays.
 
 use crate::gpu::step::Step;
 use crate::gpu::uniforms::casting::CastSamples;
 use crate::host::needs::RayInputs;
 use crate::passes::rays::{bounce, classify, trace};
 
-/// Lists the tiles in which rays are wanted.
+/// The step that lists the tiles in which rays are needed.
 pub(super) fn classified(inputs: RayInputs) -> Option<Step> {
     inputs.any().then(|| (&classify::CLASSIFY).into())
 }
 
-/// Rays from these samples.
+/// The steps that cast rays from these samples.
 pub(super) fn cast(inputs: RayInputs, samples: CastSamples) -> impl Iterator<Item = Step> {
     let [trace, bounce] = match samples {
         CastSamples::First => [&trace::FIRST, &bounce::FIRST],

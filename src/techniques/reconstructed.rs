@@ -1,4 +1,5 @@
-//! `Reconstructed`: one shaded sample a window; geometric ones take the colours of those around them (WSCG 2012).
+//! `Reconstructed`: shades one sample a window, and gives the geometric samples the colours of shaded ones around them
+//! (WSCG 2012).
 
 use super::image::{Shown, image_or_view};
 use super::method::{Counted, Effort, Method, Windows, nothing};
@@ -14,7 +15,7 @@ use crate::window;
 
 pub(super) struct Reconstructed;
 
-/// The bilateral weights of the settings, which `MultiResolution` may use too.
+/// Sets the bilateral weights, which `MultiResolution` may use, too.
 pub(super) fn weights(settings: &Settings, m: u32, uniform: &mut FrameUniform) {
     let r = &settings.reconstructed;
     uniform.flag(flag::PLANES, r.planes);

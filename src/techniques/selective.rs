@@ -1,4 +1,5 @@
-//! `Selective`: four samples of each quadrant that contrasts with its corner (Jin, Ihm, Chang, Park, Lee, Jung 2009).
+//! `Selective`: shades four samples of each quadrant that contrasts with the pixels at its corner (Jin, Ihm, Chang,
+//! Park, Lee, Jung 2009).
 
 use super::image::{Shown, image_or_view};
 use super::method::{Counted, Effort, Method, Windows, nothing};
@@ -17,7 +18,7 @@ use crate::window;
 
 pub(super) struct Selective;
 
-/// `DAA_OFF` of select.wgsl: more than any contrast, and than any threshold that is on.
+/// `DAA_OFF` of select.wgsl: greater than any contrast and than any threshold that is on.
 pub(crate) const OFF: f32 = 2.0;
 
 impl Method for Selective {

@@ -1,4 +1,4 @@
-//! `Single`: one sample a pixel. Plain deferred shading.
+//! `Single`: shades one sample a pixel, as plain deferred shading does.
 
 use super::image::{Shown, image_or_view};
 use super::method::{Counted, Effort, Method, Windows};

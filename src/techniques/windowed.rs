@@ -1,4 +1,4 @@
-//! `Windowed`: k samples of each window, by what differs in it (Holländer, Boubekeur, Eisemann 2013).
+//! `Windowed`: shades k samples of each window, by how much its samples differ (Holländer, Boubekeur, Eisemann 2013).
 
 use super::image::{Shown, image_or_view};
 use super::method::{Counted, Effort, Method, Windows};
@@ -57,7 +57,7 @@ impl Method for Windowed {
         if !matches!(settings.goal, Some(Goal::Error(_))) {
             return steps;
         }
-        // Behind the image, which does not wait for it.
+        // The audit runs after the image, which does not wait for it.
         steps.then_all(rays::cast(inputs, CastSamples::Audited)).then(&audit::AUDIT)
     }
 

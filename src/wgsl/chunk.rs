@@ -23,7 +23,7 @@ pub(crate) const CASTING: &str = include_str!("../../shaders/rays/casting.wgsl")
 pub(crate) const LATTICE: &str = include_str!("../../shaders/lattice/lattice.wgsl");
 pub(crate) const LISTING: &str = include_str!("../../shaders/lattice/listing.wgsl");
 
-/// All of them.
+/// All chunks.
 pub(crate) const ALL: [&str; 22] = [
     CONTRACT,
     OCTAHEDRAL,

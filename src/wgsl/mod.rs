@@ -1,4 +1,4 @@
-//! The host's WGSL, checked before wgpu sees it, and the crate's chunks that it is joined with, verbatim.
+//! The host's WGSL, which is checked before wgpu sees it, and the crate's chunks that are joined to it unchanged.
 
 pub(crate) mod chunk;
 mod tokens;
@@ -20,7 +20,7 @@ pub(crate) fn table_chunk(tier: TextureTier) -> &'static str {
     }
 }
 
-/// Directives come before all else, so this goes in front of the host's source.
+/// The directives of a tier. They must come first in a module, so they go in front of the host's source.
 pub(crate) fn directives(tier: TextureTier) -> &'static str {
     match tier {
         TextureTier::Bindings => "enable wgpu_binding_array;\n",
@@ -28,16 +28,16 @@ pub(crate) fn directives(tier: TextureTier) -> &'static str {
     }
 }
 
-/// The host's WGSL, found sound.
+/// The host's WGSL after a successful check.
 #[derive(Debug, Clone)]
 pub(crate) struct HostSource {
     pub source: String,
     tier: TextureTier,
     split: bool,
     sky: bool,
-    /// It says where masked materials are solid.
+    /// Whether it has `solid`, for masked materials.
     pub solid: bool,
-    /// It says what surfaces reflect and refract.
+    /// Whether it has `bounce`, for reflections and refractions.
     pub bounces: bool,
 }
 
@@ -77,8 +77,8 @@ impl HostSource {
         let joined = Joined::new(directives(tier), source, &contract);
         let at = |range: Option<Range<usize>>, kind| joined.error(file, range, kind);
 
-        // Before the parser, which would take a name of the crate's, or one that its code relies on, without a word or
-        // complain about the crate's own text.
+        // Checked before the parser runs, which would accept a name that the crate reserves or relies on, or report an
+        // error in the crate's own text.
         for (name, range) in joined.declared() {
             if ["daa_", "Daa", "DAA_"].iter().any(|prefix| name.starts_with(prefix)) {
                 return Err(at(Some(range), ShadingErrorKind::ReservedName(name.to_owned())));
@@ -124,7 +124,7 @@ impl HostSource {
         Ok(Self { source: source.to_owned(), tier, split, sky, solid, bounces })
     }
 
-    /// How the crate calls the host's functions.
+    /// The functions through which the crate calls the host's functions.
     pub fn calls(&self) -> [&'static str; 2] {
         let hook = if self.split {
             "fn daa_call_hook(s: DaaSample, coverage: f32) -> vec4f { return light(daa_surface(s, coverage), material(s)); }"
@@ -139,7 +139,7 @@ impl HostSource {
         [hook, sky]
     }
 
-    /// The body of what rays ask of masked meshes.
+    /// The body of the function that rays call for masked meshes.
     pub fn solid_call(&self) -> &'static str {
         if self.solid {
             "fn daa_ray_solid(material: u32, uv: vec2f) -> bool { return solid(material, uv); }"
@@ -148,7 +148,7 @@ impl HostSource {
         }
     }
 
-    /// Directives that go in front of the source.
+    /// The directives that go in front of the source.
     pub fn directives(&self) -> &'static str {
         directives(self.tier)
     }
@@ -159,7 +159,7 @@ impl HostSource {
     }
 }
 
-/// The host's source with chunks around it, and where it lies in there.
+/// The host's source joined with chunks, and its range in the joined text.
 struct Joined {
     text: String,
     host: Range<usize>,
@@ -180,7 +180,7 @@ impl Joined {
         range.is_some_and(|r| self.host.contains(&r.start))
     }
 
-    /// An error at a place of the joined text, told in lines and columns of the host's file.
+    /// An error at a range of the joined text, with the line and column in the host's file.
     fn error(&self, file: &str, range: Option<Range<usize>>, kind: ShadingErrorKind) -> ShadingError {
         let (mut line, mut column) = (0, 0);
         if let Some(range) = range.filter(|r| (self.host.start..=self.host.end).contains(&r.start)) {
@@ -202,7 +202,7 @@ impl Joined {
             let told = if notes.is_empty() { message } else { format!("{message}; {notes}") };
             return self.error(file, Some(range), ShadingErrorKind::Wgsl(told));
         }
-        // The parser ran on into the crate's text: something is left open in the host's.
+        // The parser continued into the crate's text, so something is not closed in the host's.
         let host = &self.text[self.host.clone()];
         match unclosed(host) {
             Some(at) => {
@@ -224,7 +224,7 @@ impl Joined {
         e: &naga::WithSpan<naga::valid::ValidationError>,
     ) -> ShadingError {
         let message = explain(module, e.as_inner());
-        // The narrowest span says most; without one, a name that the message quotes.
+        // The narrowest span is the most precise. Without a span, a name that the message quotes is located.
         let narrowest = e
             .spans()
             .filter_map(|(span, _)| span.to_range())
@@ -239,13 +239,13 @@ impl Joined {
         self.error(file, range, ShadingErrorKind::Wgsl(message))
     }
 
-    /// The names that the host declares at module scope, and where.
+    /// The names that the host declares at module scope, with their ranges.
     fn declared(&self) -> Vec<(&str, Range<usize>)> {
         let place = |(at, name): (usize, _)| (name, self.host.start + at..self.host.start + at + str::len(name));
         declarations(&self.text[self.host.clone()]).into_iter().map(place).collect()
     }
 
-    /// Where the host enables an extension.
+    /// The range in which the host enables an extension.
     fn enables(&self, extension: &str) -> Option<Range<usize>> {
         let tokens = tokens(&self.text[self.host.clone()]);
         let enabled = tokens.iter().zip(tokens.iter().skip(1)).find(|(a, b)| a.1 == "enable" && b.1 == extension);
@@ -253,12 +253,12 @@ impl Joined {
         Some(at..at + extension.len())
     }
 
-    /// Where the host declares a name.
+    /// The range in which the host declares a name.
     fn declaration(&self, name: &str) -> Option<Range<usize>> {
         self.declared().into_iter().find(|(declared, _)| *declared == name).map(|(_, range)| range)
     }
 
-    /// Which hook the host wrote: true for `material` and `light`, false for `shade`.
+    /// Whether the host has `material` and `light` (true) or `shade` (false).
     fn hook(&self, file: &str, module: &naga::Module) -> Result<bool, ShadingError> {
         let [sample, surface, material] = ["DaaSample", "DaaSurface", "DaaMaterial"].map(Type::Struct);
         let shade = self.signature(file, module, SHADE, &[sample], Type::VEC4F)?;
@@ -279,7 +279,7 @@ impl Joined {
         }
     }
 
-    /// Whether a function is there; an error if it is, with another signature.
+    /// Whether the host has a function. It is an error if the function has another signature.
     fn signature(
         &self,
         file: &str,
@@ -305,8 +305,8 @@ fn one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// WGSL's own names that the crate's code calls or uses as types. A host may declare them anew by the rules of WGSL, and
-/// would change what the crate's code means. A test holds the list against the shaders.
+/// The built-in names of WGSL that the crate's code calls or uses as types. WGSL allows a host to redeclare them, which
+/// would change the meaning of the crate's code. A test compares the list with the shaders.
 #[rustfmt::skip]
 pub(crate) const BUILTINS: &[&str] = &[
     "RayDesc", "abs", "all", "any", "array", "arrayLength", "atan2", "atomic", "atomicAdd", "atomicLoad", "atomicOr", "atomicStore", "binding_array",
@@ -318,7 +318,7 @@ pub(crate) const BUILTINS: &[&str] = &[
     "vec3f", "vec3u", "vec4f", "vec4i", "vec4u", "workgroupBarrier", "workgroupUniformLoad",
 ];
 
-/// What naga's validator found, without the handles that mean nothing to a host.
+/// The error of naga's validator, without the handles that mean nothing to a host.
 fn explain(module: &naga::Module, e: &naga::valid::ValidationError) -> String {
     use naga::valid::{CallError, ExpressionError, FunctionError, GlobalVariableError, ValidationError};
     let within = match e {
@@ -371,7 +371,7 @@ fn explain(module: &naga::Module, e: &naga::valid::ValidationError) -> String {
         + &what.replace("the `naga::valid::Capabilities::FLOAT64` flag", "a device with Features::SHADER_F64; use f32")
 }
 
-/// naga numbers expressions and types as [7].
+/// Removes the numbers of expressions and types, which naga writes as [7].
 fn without_handles(text: &str) -> String {
     let is_handle = |word: &&str| !(word.starts_with('[') && word.ends_with(']'));
     text.split(' ').filter(is_handle).collect::<Vec<_>>().join(" ")

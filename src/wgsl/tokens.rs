@@ -1,6 +1,6 @@
-//! WGSL as tokens: as much of the language as errors need that naga does not tell.
+//! A tokeniser for WGSL, for errors that naga does not report.
 
-/// Identifiers, numbers and single characters of WGSL with their places, comments left out.
+/// The identifiers, numbers and single characters of a source with their positions, without comments.
 pub(crate) fn tokens(source: &str) -> Vec<(usize, &str)> {
     let mut tokens = Vec::new();
     let mut at = 0;
@@ -43,7 +43,7 @@ fn comment(text: &str) -> usize {
     at
 }
 
-/// The names that are declared at module scope, and where.
+/// The names that are declared at module scope, with their positions.
 pub(crate) fn declarations(source: &str) -> Vec<(usize, &str)> {
     let mut names = Vec::new();
     let mut depth = 0;
@@ -67,7 +67,7 @@ pub(crate) fn declarations(source: &str) -> Vec<(usize, &str)> {
     names
 }
 
-/// The first bracket that nothing closes.
+/// The position of the first bracket that is not closed.
 pub(crate) fn unclosed(source: &str) -> Option<usize> {
     let mut open = Vec::new();
     for (at, token) in tokens(source) {

@@ -258,7 +258,7 @@ fn a_layout_that_does_not_fit_is_a_pipeline_error() {
         assert_eq!(e.pass, "first");
         let text = e.to_string();
         assert!(
-            text.ends_with("; hold the host's bind group layout against its WGSL") && !text.contains('\n'),
+            text.ends_with("; compare the host's bind group layout with its WGSL") && !text.contains('\n'),
             "{text}"
         );
     }
@@ -787,7 +787,7 @@ fn texts() {
     assert_snapshot!(BuildError::Missing(vec!["feature A".into(), "limit b = 4 (it has 2)".into()]), @"the device lacks feature A, limit b = 4 (it has 2); request Requirements::features and ::limits with it, or choose another tier");
     assert_snapshot!(BuildError::TargetFormat(Rgba8Uint), @"target format Rgba8Uint can't hold a colour image; choose a renderable float or normalised format, such as Rgba8UnormSrgb or Rgba16Float");
     let pipeline = PipelineError { pass: "first", message: "Binding 0 is missing".into() };
-    assert_snapshot!(BuildError::Pipeline(pipeline.clone()), @"pass 'first' could not be compiled: Binding 0 is missing; hold the host's bind group layout against its WGSL");
+    assert_snapshot!(BuildError::Pipeline(pipeline.clone()), @"pass 'first' could not be compiled: Binding 0 is missing; compare the host's bind group layout with its WGSL");
     let (width, height, m) = (1920, 1080, 8);
     assert_snapshot!(SizeError::Empty { width: 0, height }, @"0×1080 has no pixels; skip the frame while the window is minimised");
     assert_snapshot!(SizeError::TooLarge { width, height, m, limit: 8192 }, @"1920×1080 at m = 8 needs a G-buffer 15360×8640, the device allows 8192 a side; lower m or the size, or request a greater max_texture_dimension_2d");
@@ -806,35 +806,35 @@ fn texts() {
     assert_snapshot!(RecordError::TargetFormat { target: Rgba8Unorm, node: Rgba16Float }, @"the target is Rgba8Unorm, the node writes Rgba16Float; build the node with Descriptor::target_format = Rgba8Unorm");
     assert_snapshot!(RecordError::TargetUsage, @"the target can't be rendered to; create it with TextureUsages::RENDER_ATTACHMENT");
     assert_snapshot!(RecordError::TargetSamples(4), @"the target has 4 samples a pixel, the node writes one; render into a texture with sample_count = 1");
-    assert_snapshot!(RecordError::Lent { part: Part::Secondary, lent: 1024, needed: 2048 }, @"Secondary was lent 1024 bytes, this frame needs 2048; lend as much, or none");
+    assert_snapshot!(RecordError::Lent { part: Part::Secondary, lent: 1024, needed: 2048 }, @"Secondary was lent 1024 bytes, this frame needs 2048; lend at least that many bytes, or withdraw the loan");
     assert_snapshot!(RecordError::HostBindGroup, @"the host's WGSL was built with a bind group layout, the frame has no host_bind_group; set it");
     assert_snapshot!(RecordError::Textures, @"the node was built with a texture tier, the frame has no table; set Frame::textures, an empty table if there are none");
     let why = "the device binds 134217728".into();
     assert_snapshot!(RecordError::List { execution: Some(Execution::Packed), width, height, m, bytes: 522_547_200, why }, @"Packed at 1920×1080, m = 8 lists up to 522547200 bytes: the device binds 134217728; use Execution::Tiled or Loop, which list nothing");
-    assert_snapshot!(RecordError::Pipeline(pipeline), @"pass 'first' could not be compiled: Binding 0 is missing; hold the host's bind group layout against its WGSL");
+    assert_snapshot!(RecordError::Pipeline(pipeline), @"pass 'first' could not be compiled: Binding 0 is missing; compare the host's bind group layout with its WGSL");
     let (part, other) = (Part::First, Part::Color);
     assert_snapshot!(LendError::NoSize, @"the node has no size yet; call resize before lend");
     assert_snapshot!(LendError::NotLendable(Part::Counters), @"Counters can't be lent: its content lives across frames, or is the host's already; leave it out");
     assert_snapshot!(LendError::Twice(part), @"First is lent twice; lend it once");
     assert_snapshot!(LendError::Together { part, other }, @"First and Color are lent the same memory, but passes bind both at once; lend each its own");
-    assert_snapshot!(LendError::Kind { part, needed: "texture" }, @"First is a texture; lend it one");
+    assert_snapshot!(LendError::Kind { part, needed: "texture" }, @"First is a texture; lend a texture for it");
     assert_snapshot!(LendError::Format { part, lent: Rgba16Float, needed: Rgba32Float }, @"First is lent a texture of Rgba16Float; it needs Rgba32Float");
-    assert_snapshot!(LendError::Extent { part, width, height }, @"First needs a 2D texture of 1920×1080 with one layer, mip level and sample; lend it such a one");
+    assert_snapshot!(LendError::Extent { part, width, height }, @"First needs a 2D texture of 1920×1080 with one layer, mip level and sample; lend such a texture");
     assert_snapshot!(LendError::TextureUsage { part, missing: wgpu::TextureUsages::STORAGE_BINDING }, @"First is lent a texture without TextureUsages(STORAGE_BINDING); create it with that usage");
     assert_snapshot!(LendError::BufferUsage { part: Part::Plan, missing: wgpu::BufferUsages::STORAGE }, @"Plan is lent a buffer without BufferUsages(STORAGE); create it with that usage");
     assert_snapshot!(LendError::Bytes { part: Part::Plan, lent: 1020, needed: 1024, limit: 1 << 27 }, @"Plan is lent 1020 bytes; it needs 1024, and the device binds 134217728 at most");
-    assert_snapshot!(LendError::Refused("TextureView is of another device".into()), @"the device refused: TextureView is of another device; lend what was made by the node's own device");
+    assert_snapshot!(LendError::Refused("TextureView is of another device".into()), @"the device refused: TextureView is of another device; lend resources of the node's own device");
     let (which, share) = (Normal::Shading, 0.75);
     assert_snapshot!(InputMistake::ProjectionNotReversed, @"Frame::camera has a projection whose depth grows with the distance; use a reversed one, 1 at the near plane and 0 far away");
-    assert_snapshot!(InputMistake::DepthNotReversed { share }, @"75 % of the samples have a depth above 0.9: all at the near plane; render with a reversed projection, clear depth to 0 and write where greater");
+    assert_snapshot!(InputMistake::DepthNotReversed { share }, @"75 % of the samples have a depth above 0.9, near the near plane; render with a reversed projection, clear depth to 0 and compare with Greater");
     assert_snapshot!(InputMistake::DepthOutOfRange { samples: 3 }, @"3 samples have a depth that is not in 0 to 1; write the depth of the rasteriser, with its viewport's 0 to 1");
     assert_snapshot!(InputMistake::BehindCamera { samples: 3 }, @"3 samples lie behind the camera; give Frame::camera the projection that the G-buffer was rendered with");
     assert_snapshot!(InputMistake::NormalsUnset { which, share }, @"DaaFragment::normal is 0 in 75 % of the samples; set it before daa_pack, and write all colour targets");
-    assert_snapshot!(InputMistake::NormalsInViewSpace { which, share }, @"DaaFragment::normal is in view space in 75 % of the samples; give daa_pack world space");
-    assert_snapshot!(InputMistake::NormalsFlipped { which: Normal::Geometric, share }, @"DaaFragment::geometric_normal faces away from the viewer in 75 % of the samples; flip it on back faces, and cull as you wind");
+    assert_snapshot!(InputMistake::NormalsInViewSpace { which, share }, @"DaaFragment::normal is in view space in 75 % of the samples; pass daa_pack a normal in world space");
+    assert_snapshot!(InputMistake::NormalsFlipped { which: Normal::Geometric, share }, @"DaaFragment::geometric_normal faces away from the viewer in 75 % of the samples; flip it on back faces, and check that the winding order fits the culling");
     assert_snapshot!(InputMistake::NormalsOff { which, share }, @"DaaFragment::normal is more than 45° off the surface in 75 % of the samples; give daa_pack world space, from -1 to 1 and not from 0 to 1, and Frame::camera the G-buffer's camera");
     assert_snapshot!(InputMistake::GradientsMissing { share }, @"ddx and ddy are 0 in 75 % of the samples whose uv differs; set them to dpdx(uv) and dpdy(uv)");
-    assert_snapshot!(InputMistake::GradientsPerPixel { m: 4, share }, @"ddx and ddy are 4 times what uv says in 75 % of the samples: per pixel; give those per sample, as dpdx and dpdy have them");
+    assert_snapshot!(InputMistake::GradientsPerPixel { m: 4, share }, @"ddx and ddy are 4 times the change of uv in 75 % of the samples, as if they were per pixel; set them per sample, as dpdx and dpdy return them");
     assert_snapshot!(InputMistake::GradientsOff { share }, @"ddx and ddy do not fit uv in 75 % of the samples; set them to dpdx(uv) and dpdy(uv) of the uv that is packed");
     assert_snapshot!(InputMistake::ObjectsUnset, @"DaaFragment::object is 0 everywhere, though surfaces lie one behind another; give objects that touch ids of their own");
     assert_snapshot!(InputMistake::EncodedTwice { target: Rgba8UnormSrgb }, @"the host's WGSL encodes its radiance (an exponent of 1/2.2 or 1/2.4), and the target is Rgba8UnormSrgb, which encodes again; return linear radiance");

@@ -2,8 +2,8 @@
 
 use wgpu::naga;
 
-/// Name, offset and size of each member in order, and the size of the whole. Padding is left out: the members around it show if it is
-/// wrong.
+/// Name, offset and size of each member in order, and the size of the whole. Padding is left out: the members around it
+/// show if it is wrong.
 pub type Layout = (Vec<(String, u32, u32)>, u32);
 
 /// The layout of a `Zeroable` Rust struct. Does not compile unless all of its fields are named; their order is the

@@ -1,4 +1,4 @@
-//! What frames did, on its way from the GPU: counters, times and audits, none of which is ever waited for.
+//! The readback of frames: counters, times and audits. Nothing ever waits for it.
 
 use crate::goal::{Controller, Measured};
 use crate::gpu::readback::read_back::ReadBack;
@@ -9,25 +9,25 @@ use crate::host::statistics::{COUNTER_BYTES, Counters, PassTime, Statistics, Til
 use crate::settings::Technique;
 use crate::techniques::{self, Windows};
 
-/// Frames whose statistics may be under way at once.
+/// The number of frames whose statistics may be in flight at once.
 const IN_FLIGHT: usize = 4;
-/// Passes that are timed at first; more are once a frame has more.
+/// The number of passes that can be timed at first. It grows with the first frame that has more.
 const TIMED: usize = 32;
-/// Where the timestamps lie in a read-back buffer, aligned as `resolve_query_set` copies want it.
+/// The offset of the timestamps in a readback buffer, aligned for the copy of query results.
 const TIMESTAMPS_AT: u64 = COUNTER_BYTES.next_multiple_of(8);
 
-/// What the CPU knows of a recorded frame.
+/// The CPU's record of a frame.
 #[derive(Debug, Clone)]
 pub(crate) struct Recorded {
     pub frame: u64,
     pub technique: Technique,
     pub size: [u32; 2],
     pub m: u32,
-    /// With a goal.
+    /// The effort, if the frame has a goal.
     pub effort: Option<f32>,
-    /// With an audit.
+    /// The audited tiles, if the frame has an audit.
     pub audited: Option<Audited>,
-    /// Names and kinds of its passes.
+    /// The names and kinds of its passes.
     pub passes: Vec<(&'static str, PassKind)>,
 }
 
@@ -37,7 +37,7 @@ struct Slot {
     recorded: Option<Recorded>,
 }
 
-/// Room for the times of so many passes.
+/// The queries for the times of a number of passes.
 #[derive(Debug)]
 struct Timing {
     queries: Option<(wgpu::QuerySet, wgpu::Buffer)>,
@@ -68,13 +68,13 @@ impl Timing {
         Self { queries, passes, slots }
     }
 
-    /// Where the audited errors lie in a read-back buffer.
+    /// The offset of the audited errors in a readback buffer.
     fn audits_at(&self) -> u64 {
         TIMESTAMPS_AT + self.passes as u64 * 16
     }
 }
 
-/// A ring of read-backs.
+/// A ring of readback buffers.
 #[derive(Debug)]
 pub(crate) struct Collector {
     timing: Timing,
@@ -87,7 +87,7 @@ impl Collector {
         Self { timing: Timing::new(device, TIMED), nanoseconds_per_tick: 1.0, latest: None }
     }
 
-    /// Makes room for the times of so many passes, if there is not enough. What is under way is lost then.
+    /// Makes room for the times of a number of passes. If it has to grow, statistics in flight are lost.
     pub fn reserve(&mut self, device: &wgpu::Device, passes: usize) {
         if passes > self.timing.passes {
             self.timing = Timing::new(device, passes.next_multiple_of(TIMED));
@@ -100,7 +100,8 @@ impl Collector {
         Some((set, pass as u32 * 2, pass as u32 * 2 + 1))
     }
 
-    /// Records the copies of a frame's counters. Without a free slot the frame goes uncounted: the host reads too rarely.
+    /// Records the copies of a frame's counters. If no slot is free because the host polls too rarely, the frame has no
+    /// statistics.
     pub fn collect(
         &mut self,
         queue: &wgpu::Queue,
@@ -125,7 +126,7 @@ impl Collector {
         slot.read_back.send(encoder);
     }
 
-    /// Takes in what has arrived, oldest first.
+    /// Reads what has arrived, oldest first.
     pub fn poll(&mut self, controller: &mut Controller) {
         let timed = self.timing.queries.is_some().then_some(self.nanoseconds_per_tick);
         let audits_at = self.timing.audits_at() as usize;

@@ -1,4 +1,4 @@
-//! The check of a host's input, on request: one at a time, read back without waiting.
+//! The check of a host's input, on request. One check runs at a time, and is read back without waiting.
 
 use crate::gpu::binding::OWN_GROUP;
 use crate::gpu::pipelines::{PipelineKind, Pipelines};
@@ -11,12 +11,12 @@ use crate::passes::check::CHECK;
 
 const BYTES: u64 = size_of::<InputCounts>() as u64;
 
-/// Made by the first check.
+/// The resources of the check, created by the first one.
 #[derive(Debug)]
 pub(crate) struct InputCheck {
     counts: wgpu::Buffer,
     read_back: ReadBack,
-    /// What the frame under way showed without its G-buffer, and its samples.
+    /// For the check in flight: the mistakes that do not depend on the G-buffer, and the number of samples.
     begun: (Vec<InputMistake>, u64),
     report: Option<InputReport>,
 }
@@ -33,7 +33,7 @@ impl InputCheck {
         Self { counts, read_back, begun: Default::default(), report: None }
     }
 
-    /// Whether the one before has arrived, or was never submitted.
+    /// Whether the previous check has arrived, or was never submitted.
     pub fn is_free(&self) -> bool {
         self.read_back.is_free()
     }
@@ -74,7 +74,7 @@ impl InputCheck {
         Ok(())
     }
 
-    /// Takes in what has arrived.
+    /// Reads what has arrived.
     pub fn poll(&mut self, m: u32) {
         let arrived: Option<InputCounts> = self.read_back.take(bytemuck::pod_read_unaligned);
         if let Some(counts) = arrived {

@@ -1,4 +1,4 @@
-//! Bytes on their way back from the GPU, for which nobody waits.
+//! Readback of bytes from the GPU without waiting.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
@@ -7,14 +7,14 @@ const FREE: u8 = 0;
 const UNDER_WAY: u8 = 1;
 const READY: u8 = 2;
 
-/// A buffer that is copied to, mapped when its encoder is submitted, read, and free again.
+/// A buffer that is copied to, mapped when its encoder is submitted, read, and then free again.
 #[derive(Debug)]
 pub(crate) struct ReadBack {
     pub buffer: wgpu::Buffer,
     state: Arc<AtomicU8>,
 }
 
-/// Frees its buffer when the encoder is dropped without a submit, and the callback with it.
+/// Frees the buffer if the encoder, and with it the callback, is dropped without a submit.
 struct Landing {
     state: Arc<AtomicU8>,
     to: u8,
@@ -37,7 +37,7 @@ impl ReadBack {
         Self { buffer, state: Arc::new(AtomicU8::new(FREE)) }
     }
 
-    /// Whether what was on its way has been read, or was never submitted.
+    /// Whether the last readback has been read, or was never submitted.
     pub fn is_free(&self) -> bool {
         self.state.load(Ordering::Acquire) == FREE
     }
@@ -46,7 +46,7 @@ impl ReadBack {
         self.state.load(Ordering::Acquire) == READY
     }
 
-    /// Sends what the encoder has copied to the buffer on its way.
+    /// Starts the readback of what the encoder has copied to the buffer.
     pub fn send(&self, encoder: &wgpu::CommandEncoder) {
         self.state.store(UNDER_WAY, Ordering::Release);
         let mut landing = Landing { state: self.state.clone(), to: FREE };
@@ -56,7 +56,7 @@ impl ReadBack {
         });
     }
 
-    /// Reads what has arrived, once, and frees the buffer. `None` if nothing has.
+    /// Reads the bytes once they have arrived, and frees the buffer. `None` if nothing has arrived.
     pub fn take<T>(&self, read: impl FnOnce(&[u8]) -> T) -> Option<T> {
         if !self.is_ready() {
             return None;

@@ -1,26 +1,27 @@
-//! Which tiles a frame audits.
+//! The tiles that a frame audits.
 
 use crate::TILE;
 
-/// Most tiles of one frame.
+/// The most audited tiles of a frame.
 pub(crate) const MAX_TILES: u32 = 4096;
-/// Tiles of one frame that an error can be judged by, where the image has so many: fewer may all miss where it errs most.
+/// The number of audited tiles of a frame from which an error can be judged, if the image has so many. Fewer might all
+/// miss the places with the greatest error.
 const ENOUGH: u32 = 64;
 pub(crate) const BYTES: u64 = MAX_TILES as u64 * 8;
 
-/// Which tiles a frame audits.
+/// The tiles that a frame audits.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Audited {
-    /// One in so many.
+    /// The number of tiles of which one is audited.
     pub period: u32,
-    /// Below the period.
+    /// The index of the audited tile within a period.
     pub phase: u32,
-    /// How far below the frame's effort it looks ahead.
+    /// The step below the frame's effort at which the error is also measured.
     pub step: f32,
 }
 
 impl Audited {
-    /// The tiles of a frame: after `period` frames each tile has had its turn.
+    /// The audited tiles of a frame. After `period` frames each tile has been audited once.
     pub fn of(frame: u64, size: [u32; 2]) -> Self {
         let tiles = size.map(|side| side.div_ceil(TILE)).iter().product::<u32>();
         let mut period = (tiles / ENOUGH).clamp(1, 32);
@@ -35,12 +36,12 @@ impl Audited {
         [x.div_ceil(period), y]
     }
 
-    /// Places for audited tiles along x and y.
+    /// The number of audited tiles along x and y.
     pub fn groups(self, size: [u32; 2]) -> [u32; 2] {
         Self::of_period(self.period, size)
     }
 
-    /// Index of the audited tile, row by row, of each place of the audit's result.
+    /// The index of the tile, row by row, for each entry of the audit's result.
     pub fn tiles(self, size: [u32; 2]) -> impl Iterator<Item = Option<usize>> {
         let tiles_x = size[0].div_ceil(TILE);
         let [groups_x, rows] = self.groups(size);

@@ -1,4 +1,4 @@
-//! What `trace` and `bounce` are told: which samples cast rays, the lights, and the materials that send rays.
+//! The constants of `trace` and `bounce`: the samples that cast rays, and the lights.
 
 use crate::gpu::uniforms::lattice::{LatticeStep, LatticeUse, Level, StepUniform};
 use crate::host::error::RecordError;
@@ -18,10 +18,10 @@ pub(crate) enum CastSamples {
 }
 
 impl CastSamples {
-    /// How many there are.
+    /// The number of values.
     pub const COUNT: u64 = 5 + Level::COUNT as u64;
 
-    /// Below [`COUNT`](Self::COUNT).
+    /// The index, below [`COUNT`](Self::COUNT).
     pub fn index(self) -> u64 {
         match self {
             Self::First => 0,
@@ -33,12 +33,12 @@ impl CastSamples {
         }
     }
 
-    /// `DAA_SAMPLES_*` of casting.wgsl.
+    /// The value of `DAA_SAMPLES_*` of casting.wgsl.
     pub fn code(self) -> u32 {
         self.index().min(5) as u32
     }
 
-    /// Of points, their place among the lattices.
+    /// The lattice of [`Points`](Self::Points).
     pub fn step(self) -> Option<LatticeStep> {
         match self {
             Self::Points(level) => Some(LatticeStep { of: LatticeUse::Rays, level }),
@@ -47,7 +47,7 @@ impl CastSamples {
     }
 }
 
-/// `DaaCastingLight` of trace.wgsl.
+/// `DaaCastingLight` of casting.wgsl.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Default, bytemuck::Pod, bytemuck::Zeroable)]
 pub(crate) struct LightUniform {
@@ -59,7 +59,7 @@ pub(crate) struct LightUniform {
     pub padding: [u32; 3],
 }
 
-/// `DaaCasting` of trace.wgsl.
+/// `DaaCasting` of casting.wgsl.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 pub(crate) struct CastingUniform {
@@ -72,7 +72,7 @@ pub(crate) struct CastingUniform {
 }
 
 impl CastingUniform {
-    /// Relative to the camera.
+    /// Converts the lights to positions relative to the camera.
     pub fn new(lights: &[CastingLight], camera: Vec3) -> Result<Self, RecordError> {
         if lights.len() > MAX_CASTING_LIGHTS {
             return Err(RecordError::CastingLights { lights: lights.len(), limit: MAX_CASTING_LIGHTS });
@@ -87,7 +87,7 @@ impl CastingUniform {
 }
 
 impl CastingLight {
-    /// `None` if it is not finite where it must be.
+    /// The light relative to the camera; `None` if it is not finite or has no direction.
     fn uniform(&self, camera: Vec3) -> Option<LightUniform> {
         let unit = |v: Vec3| v.as_dvec3().try_normalize().map(|v| v.as_vec3().to_array());
         match *self {
@@ -103,7 +103,7 @@ impl CastingLight {
                 {
                     return None;
                 }
-                // Its square is finite.
+                // Limited so that its square is finite.
                 let range = if range > 0.0 { range.min(1e18) } else { 1e18 };
                 let position = relative.to_array();
                 Some(LightUniform { position, punctual: 1, direction, cone, range, padding: [0; 3] })

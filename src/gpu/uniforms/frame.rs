@@ -1,4 +1,4 @@
-//! The frame's constants as shaders have them: `DaaFrame` of frame.wgsl. Techniques fill in their own part.
+//! The frame's constants: `DaaFrame` of frame.wgsl. Each technique fills in its own part.
 
 use crate::TILE;
 use crate::gpu::uniforms::audited::Audited;
@@ -94,7 +94,7 @@ pub(crate) struct FrameUniform {
     pub centres: [[f32; 4]; 32],
 }
 
-/// Bits of `DaaFrame::flags`. A test reads their values from the shader.
+/// The bits of `DaaFrame::flags`. A test compares them with the shader.
 pub(crate) mod flag {
     pub const DEPTH_PLANE: u32 = 1;
     pub const TWO_SIDED: u32 = 2;
@@ -125,8 +125,8 @@ pub(crate) mod flag {
 }
 
 impl FrameUniform {
-    /// What every technique has. The samples are in [`window::order`], each with its own texture footprint; no technique's part is
-    /// filled in.
+    /// The constants that all techniques share. Samples are in the order of [`window::order`] and have their own
+    /// texture footprints; no technique's part is filled in.
     pub fn new(frame: &Frame<'_>, size: [u32; 2], m: u32, audited: Audited) -> Result<Self, RecordError> {
         let (relative_from_clip, position, forward) = frame.camera.relative()?;
         if !(frame.exposure.is_finite() && frame.exposure > 0.0) {
@@ -162,12 +162,12 @@ impl FrameUniform {
         Ok(uniform)
     }
 
-    /// Sets a flag if it is on.
+    /// Sets a flag if `on`.
     pub fn flag(&mut self, bit: u32, on: bool) {
         self.flags |= if on { bit } else { 0 };
     }
 
-    /// The places of a window's samples in the order in which they are shaded.
+    /// Sets the positions of a window's samples in the order in which they are shaded.
     pub fn set_order(&mut self, m: u32, places: &[(u8, u8)]) {
         self.order = Zeroable::zeroed();
         for (rank, &(x, y)) in places.iter().enumerate() {
@@ -177,7 +177,7 @@ impl FrameUniform {
         }
     }
 
-    /// From the mean place of the first k samples to the window's centre, for each k.
+    /// Sets the offset from the mean position of the first k samples to the window's centre, for each k.
     pub fn set_centres(&mut self, m: u32, places: &[(u8, u8)]) {
         let mut sum = [0.0; 2];
         for (rank, &(x, y)) in places.iter().enumerate() {

@@ -1,4 +1,5 @@
-//! Lattices of points over the G-buffer: which a frame goes through, from which to which. Geometry: lattice.wgsl.
+//! The lattices of points over the G-buffer that a frame refines, and the steps between them. lattice.wgsl has their
+//! geometry.
 
 use crate::host::graph::LatticeShape;
 use crate::settings::{MultiResolution, Pattern};
@@ -9,9 +10,9 @@ const EQUILATERAL_ROW: u32 = 56756;
 /// A lattice of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum Level {
-    /// First samples of all pixels.
+    /// One point for each pixel: its first sample.
     Pixels,
-    /// One point a pixel, rows of triangles.
+    /// One point for each pixel, with shifted rows.
     Shifted,
     Half,
     Quarter,
@@ -21,7 +22,7 @@ pub(crate) enum Level {
 impl Level {
     pub const COUNT: usize = 5;
 
-    /// log2 of its pitch in pixels.
+    /// The base-2 logarithm of its pitch in pixels.
     fn pitch(self) -> u32 {
         match self {
             Self::Pixels | Self::Shifted => 0,
@@ -32,7 +33,7 @@ impl Level {
     }
 }
 
-/// What a lattice is for.
+/// The use of a lattice.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum LatticeUse {
     Shading,
@@ -43,7 +44,7 @@ impl LatticeUse {
     pub const ALL: [Self; 2] = [Self::Shading, Self::Rays];
 }
 
-/// Lattices from the coarsest to the finest, which are the points that are shaded, or those that are shaded and want rays.
+/// The lattices of a use, from the coarsest to the finest.
 pub(crate) fn levels(settings: &MultiResolution, of: LatticeUse) -> impl Iterator<Item = Level> + Clone + use<> {
     let coarsest = match of {
         LatticeUse::Shading => settings.shading.coarsest,
@@ -84,7 +85,7 @@ pub(crate) struct StepUniform {
     pub padding: [u32; 3],
 }
 
-/// A place among the lattices of a frame: from the next coarser lattice to this one.
+/// A step of a frame: from the next coarser lattice to this one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) struct LatticeStep {
     pub of: LatticeUse,
@@ -94,12 +95,12 @@ pub(crate) struct LatticeStep {
 impl LatticeStep {
     pub const COUNT: u64 = 2 * Level::COUNT as u64;
 
-    /// Below [`COUNT`](Self::COUNT).
+    /// The index, below [`COUNT`](Self::COUNT).
     pub fn index(self) -> u64 {
         self.of as u64 * Level::COUNT as u64 + self.level as u64
     }
 
-    /// The shape of its lattice, and of the next coarser one; of the coarsest its own.
+    /// The shapes of its lattice and of the next coarser one. For the coarsest, both are its own.
     pub fn shapes(self, settings: &MultiResolution) -> [LatticeShape; 2] {
         let coarser = levels(settings, self.of).take_while(|&level| level != self.level).last();
         [self.level, coarser.unwrap_or(self.level)].map(|level| shape(settings, self.of, level))
@@ -119,15 +120,16 @@ fn shape(settings: &MultiResolution, of: LatticeUse, level: Level) -> LatticeSha
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct LatticeSteps {
     steps: [[StepUniform; Level::COUNT]; 2],
-    /// Points of all lattices, and of those that are shaded.
+    /// The number of points of all lattices, and of the lattices for shading.
     points: [u32; 2],
 }
 
 impl LatticeSteps {
-    /// `rays`: 1 for shadows, 2 for what is reflected and refracted; 0: there are no lattices for them.
+    /// Lays out the lattices of a frame. `rays` has bit 0 for shadows and bit 1 for reflections and refractions; with 0
+    /// there are no lattices for rays.
     pub fn new(settings: &MultiResolution, size: [u32; 2], rays: u32) -> Self {
         let mut made = Self { steps: Default::default(), points: [0; 2] };
-        // The image is taken from the lattice of the pixels, which is the first of all.
+        // The image is taken from the lattice of pixels, which lies before all others.
         let [width, height] = points(size, LatticeShape { pattern: Pattern::Quad, level: 0 });
         made.points[0] = width * height;
         for of in LatticeUse::ALL {
@@ -178,13 +180,14 @@ impl LatticeSteps {
         &self.steps[step.of as usize][step.level as usize]
     }
 
-    /// Bytes of what is kept of points, and of their colours.
+    /// The bytes of the points, and of their colours.
     pub fn bytes(&self) -> [u64; 2] {
         [u64::from(2 * self.points[0] - self.points[1]) * 16, u64::from(self.points[1]) * 16]
     }
 }
 
-/// Columns and rows: enough that every point has all its parents, and these all their neighbours, on the lattice.
+/// The number of columns and rows of a lattice: enough that the lattice has all parents of every point, and all
+/// neighbours of these.
 pub(crate) fn points(size: [u32; 2], shape: LatticeShape) -> [u32; 2] {
     let rows = match shape.pattern {
         Pattern::Equilateral => (u64::from(size[1]) * 65536).div_ceil(u64::from(EQUILATERAL_ROW)) as u32,

@@ -1,12 +1,12 @@
-//! Uniforms in rings: as many frames may be recorded between two submits as a ring has slots.
+//! Rings of uniforms. As many frames may be recorded between two submits as a ring has slots.
 
 use bytemuck::Pod;
 use std::marker::PhantomData;
 
-/// Frames of a ring.
+/// The number of frames in a ring.
 pub(crate) const FRAMES: u64 = 16;
 
-/// Values of one type, several a frame, each chosen by a dynamic offset.
+/// Values of one type, several for each frame, which dynamic offsets select.
 #[derive(Debug)]
 pub(crate) struct Ring<T> {
     pub buffer: wgpu::Buffer,
@@ -15,10 +15,10 @@ pub(crate) struct Ring<T> {
 }
 
 impl<T: Pod> Ring<T> {
-    /// WebGPU's default alignment of dynamic offsets.
+    /// A multiple of WebGPU's default alignment of dynamic offsets.
     const STRIDE: u64 = (size_of::<T>() as u64).next_multiple_of(256);
 
-    /// `beyond`: frames that are counted from [`FRAMES`] on, for what is not a frame.
+    /// Creates a ring. `beyond` is the number of additional slots, from [`FRAMES`] on, for uses other than frames.
     pub fn new(device: &wgpu::Device, label: &str, each_frame: u64, beyond: u64) -> Self {
         let buffer = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some(label),
@@ -29,7 +29,7 @@ impl<T: Pod> Ring<T> {
         Self { buffer, each_frame, of: PhantomData }
     }
 
-    /// The dynamic offset of a value of a slot. Frames take slots below [`FRAMES`] in turn.
+    /// The dynamic offset of a value in a slot. Frames use the slots below [`FRAMES`] in turn.
     pub fn offset(&self, slot: u64, index: u64) -> u32 {
         ((slot * self.each_frame + index) * Self::STRIDE) as u32
     }

@@ -1,4 +1,4 @@
-//! lattice_to_pixels: takes S from the finest lattice, and decides which windows are refined beyond it.
+//! lattice_to_pixels: computes S from the finest lattice, and chooses the windows that are refined beyond it.
 
 use crate::gpu::binding::{Binding, PassData, Slot};
 use crate::gpu::modules::{Base, Module};
@@ -28,7 +28,7 @@ const fn bindings(counted: bool) -> [Binding; 6] {
     ]
 }
 
-/// Nothing is refined beyond, and no plan follows: it writes the plan itself.
+/// For frames without further refinement: it writes the plan itself.
 pub(crate) static FINAL: PassData = PassData {
     names: &["lattice_to_pixels"],
     kind: PassKind::LatticeToPixels,
@@ -39,7 +39,7 @@ pub(crate) static FINAL: PassData = PassData {
     rounds: Rounds::Once,
 };
 
-/// It counts for a plan.
+/// For frames with further refinement: it writes the counts, and `plan` follows.
 pub(crate) static COUNTED: PassData = PassData {
     names: &["lattice_to_pixels"],
     kind: PassKind::LatticeToPixels,

@@ -15,7 +15,7 @@ static MODULE: Module = Module {
     ],
 };
 
-/// Points along one side of a workgroup's block: `DAA_LANE_SIDE` of listing.wgsl for each of 8 lanes.
+/// The number of points along one side of a workgroup's block: `DAA_LANE_SIDE` of listing.wgsl for each of 8 lanes.
 pub(crate) const BLOCK: u32 = 32;
 
 pub(crate) static POINTS: PassData = PassData {

@@ -1,4 +1,4 @@
-//! refine: which points of a lattice are worth their own sample, and what the others are.
+//! refine: chooses the points of a lattice that get their own sample, and interpolates the others.
 
 use crate::gpu::binding::{Binding, PassData, Slot, by_level};
 use crate::gpu::modules::{Base, Module};
@@ -30,7 +30,7 @@ static OF_RAYS: Module = Module {
     ],
 };
 
-/// By what was shaded.
+/// Refines a lattice by the colours of its points.
 pub(crate) static COLORS: PassData = PassData {
     names: by_level!("refine"),
     kind: PassKind::Refine,
@@ -45,7 +45,7 @@ pub(crate) static COLORS: PassData = PassData {
     rounds: Rounds::Once,
 };
 
-/// By what rays found.
+/// Refines a lattice by the ray results of its points.
 pub(crate) static RAYS: PassData = PassData {
     names: by_level!("refine rays"),
     kind: PassKind::Refine,

@@ -1,4 +1,4 @@
-//! bounce: mirrored and refracted rays from samples whose material sends them.
+//! bounce: traces mirrored and refracted rays from samples whose material sends rays.
 
 use super::{Cast, over_audited, over_points, over_tiles};
 use crate::gpu::binding::{Binding, PassData, Slot, by_level};
@@ -11,7 +11,7 @@ static MODULE: Module = Module {
     chunks: &[include_str!("../../../shaders/rays/bounce.wgsl")],
 };
 
-/// And a bit for each material: it sends rays.
+/// The bindings of a pass that casts rays, and the materials that send rays.
 const fn bindings(cast: Cast) -> [Binding; 10] {
     let [a, b, c, d, e, f, g, h, i] = cast.bindings();
     [a, b, c, d, e, f, g, h, i, Binding::read(9, "daa_bouncing", Slot::Bouncing)]
@@ -52,7 +52,7 @@ pub(crate) static PLANNED: PassData = PassData {
     rounds: Rounds::Once,
 };
 
-/// Those of audited tiles that were not planned.
+/// The samples of audited tiles that were not planned.
 pub(crate) static AUDITED: PassData = PassData {
     names: &["bounce audited"],
     kind: PassKind::Bounce,

@@ -1,4 +1,4 @@
-//! classify: the tiles in which rays are wanted, by kind.
+//! classify: lists the tiles in which rays are needed, by kind.
 
 use crate::gpu::binding::{Binding, PassData, Slot};
 use crate::gpu::modules::{Base, Module};

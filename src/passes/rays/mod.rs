@@ -9,8 +9,9 @@ use crate::gpu::sizes::TILE_CLASSES_BYTES;
 use crate::host::graph::{Grid, Part, Stage};
 use crate::passes::lattice::points::BLOCK;
 
-/// What the passes that cast bind alike. `found`: what their rays find, and its name; `plan`, `tiles`, `points`: whether the samples
-/// are told by these; `earlier`: whether it reads what earlier rays found.
+/// The bindings that `trace` and `bounce` share. `found` is the part for their results with its name. `plan`, `tiles`
+/// and `points` say whether the samples follow from these. `earlier` says whether the pass reads the results of earlier
+/// rays.
 pub(crate) struct Cast {
     pub found: (&'static str, Part),
     pub plan: bool,
@@ -20,7 +21,7 @@ pub(crate) struct Cast {
 }
 
 impl Cast {
-    /// In the order of casting.wgsl.
+    /// The bindings in the order of casting.wgsl.
     pub const fn bindings(self) -> [Binding; 9] {
         let (name, found) = self.found;
         let found = Slot::Part(found);
@@ -40,7 +41,7 @@ impl Cast {
 
 /// A stage over the tiles of a class that `classify` lists: 0 with a surface, 1 with one that sends rays.
 pub(crate) const fn over_tiles(entry: &'static str, class: u64) -> Stage {
-    // The workgroups stand behind the count of a `DaaTileClass`.
+    // In a `DaaTileClass` the workgroups follow the count.
     Stage::new(entry, Grid::Indirect { part: Part::Tiles, offset: class * (TILE_CLASSES_BYTES / 2) + 4 })
 }
 

@@ -1,4 +1,4 @@
-//! trace: shadow rays from the samples that will be shaded.
+//! trace: traces shadow rays from the samples that will be shaded.
 
 use super::{Cast, over_audited, over_points, over_tiles};
 use crate::gpu::binding::{PassData, by_level};
@@ -46,7 +46,7 @@ pub(crate) static PLANNED: PassData = PassData {
     rounds: Rounds::Once,
 };
 
-/// Those of audited tiles that were not planned.
+/// The samples of audited tiles that were not planned.
 pub(crate) static AUDITED: PassData = PassData {
     names: &["trace audited"],
     kind: PassKind::Trace,

@@ -1,4 +1,5 @@
-//! Twin of `shaders/bounce.wgsl`: what a sample reflects and refracts, by every triangle of the scene.
+//! Twin of `shaders/rays/bounce.wgsl`: the radiance that a sample reflects and refracts, with every triangle of the
+//! scene tested.
 
 use super::trace::{self, MARGIN};
 use super::{Hit, Ray};
@@ -6,107 +7,108 @@ use crate::rays::Attributes as VertexAttributes;
 use crate::reference::{octahedral, rays, resolve};
 use glam::{DAffine3, DVec2, DVec3, DVec4};
 
-/// What a frame traces and shades from. No mesh is masked.
+/// The input of the pass. No mesh is masked.
 #[derive(Clone, Copy)]
 pub struct Input<'a> {
     /// The G-buffer's depth and normals, the camera, the lights, and the triangles with their owners.
     pub trace: &'a trace::Input<'a>,
     /// The third colour target.
     pub uv: &'a [[u32; 4]],
-    /// Samples along one side of a window.
+    /// The number of samples along one side of a window.
     pub m: u32,
-    /// Of each triangle of `trace`: see [`place`].
+    /// The attributes of each triangle of `trace`, see [`place`].
     pub attributes: &'a [Attributes],
-    /// [`Needs::bounces`](crate::Needs::bounces).
+    /// The materials that send rays: [`Needs::bounces`](crate::Needs::bounces).
     pub bounces: &'a [u32],
-    /// Whether mirrored rays are traced, and refracted ones.
+    /// Whether mirrored rays and whether refracted rays are traced.
     pub kinds: [bool; 2],
-    /// The host's `bounce`.
+    /// The host's function `bounce`.
     pub bounce: &'a dyn Fn(&Sample) -> Bounce,
-    /// The host's `shade`.
+    /// The host's function `shade`.
     pub shade: &'a dyn Fn(&Sample) -> [f64; 4],
-    /// The host's `sky`.
+    /// The host's function `sky`.
     pub sky: &'a dyn Fn(&Sample) -> [f64; 4],
 }
 
-/// What hits of a triangle are shaded from. World space.
+/// The attributes of a triangle from which its hits are shaded, in world space.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Attributes {
-    /// On the triangle's front, of the lengths that the instance's transform gives them: so they are interpolated.
+    /// The normals on the triangle's front. They are interpolated with the lengths that the instance's transform gives
+    /// them.
     pub normals: [DVec3; 3],
-    /// Of the first vertex: a unit vector and the sign of the bitangent on the triangle's front.
+    /// The tangent of the first vertex: a unit vector, and the sign of the bitangent on the triangle's front.
     pub tangent: DVec4,
-    /// Texture coordinates.
+    /// The texture coordinates.
     pub uvs: [DVec2; 3],
-    /// Of the instance.
+    /// The material of the instance.
     pub material: u32,
-    /// Of the first vertex.
+    /// The 32 bits of the first vertex.
     pub user: u32,
 }
 
-/// `DaaSample`, as far as the pass fills it in.
+/// `DaaSample`, as far as the pass fills it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Sample {
-    /// World space.
+    /// Position in world space.
     pub position: DVec3,
-    /// Along the view direction; of what a ray met, along the ray. 0 for the sky.
+    /// Depth along the view direction, or for the hit of a ray the distance along the ray. 0 for the sky.
     pub depth: f64,
-    /// From the camera.
+    /// Position relative to the camera.
     pub relative_position: DVec3,
-    /// Index of the host's.
+    /// Index of the material.
     pub material: u32,
-    /// Unit vector to where it is seen from.
+    /// Unit vector towards the viewer.
     pub view: DVec3,
-    /// Which object.
+    /// Id of the object.
     pub object: u32,
-    /// Unit normal of the triangle, on the side that is seen.
+    /// Unit normal of the triangle, on the visible side.
     pub geometric_normal: DVec3,
     /// The host's own 32 bits.
     pub user: u32,
     /// Unit interpolated normal.
     pub normal: DVec3,
-    /// Bit i: light i does not reach it. 0 for samples of the G-buffer.
+    /// Shadow bits: bit i is set if light i does not reach it. 0 for samples of the G-buffer.
     pub shadow: u32,
     /// Unit tangent and the sign of the bitangent.
     pub tangent: DVec4,
     /// Texture coordinates.
     pub uv: DVec2,
-    /// Of uv, along x.
+    /// Gradient of uv along x.
     pub ddx: DVec2,
-    /// Along y.
+    /// Gradient of uv along y.
     pub ddy: DVec2,
     /// The output pixel.
     pub pixel: [u32; 2],
-    /// Its place in the order of its window.
+    /// Position of the sample in the order of its window.
     pub rank: u32,
 }
 
 /// `DaaBounce`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bounce {
-    /// Weight of what the mirrored ray meets; 0: none is traced.
+    /// Weight of the radiance along the mirrored ray; 0: no ray is traced.
     pub reflection: DVec3,
-    /// Index of refraction of the inside over the outside.
+    /// Index of refraction inside over outside.
     pub ior: f64,
-    /// Weight of what the refracted ray meets; 0: none is traced.
+    /// Weight of the radiance along the refracted ray; 0: no ray is traced.
     pub refraction: DVec3,
-    /// World space, unit length.
+    /// Unit normal in world space.
     pub normal: DVec3,
 }
 
-/// What the pass encodes, and whether rounding could have changed it.
+/// The result of the pass for a sample, and whether rounding could have changed it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Secondary {
-    /// What arrives, weighted.
+    /// The weighted radiance.
     pub radiance: DVec3,
-    /// Mirrored and refracted rays. Without any the code is 0.
+    /// The number of mirrored and of refracted rays. Without any, the encoded radiance is 0.
     pub rays: [u32; 2],
-    /// No ray is within a share of 1e-4 of a triangle's edge, none runs along the triangle that it meets, and no angle is within
-    /// 1e-4 of one that decides.
+    /// Whether rounding could not have changed the result: no ray is within a share of 1e-4 of a triangle's edge, none
+    /// runs along the triangle that it hits, and no angle is within 1e-4 of a threshold.
     pub sure: bool,
 }
 
-/// Surfaces of its own object that a refracted ray passes, at most.
+/// The most surfaces of its own object that a refracted ray passes.
 const MAX_PASSAGES: u32 = 4;
 
 /// `DaaCone`.
@@ -117,7 +119,7 @@ struct Cone {
 }
 
 impl Input<'_> {
-    /// Of the sample at G-buffer coordinates x, y, which has this rank.
+    /// The result for the sample at the G-buffer coordinates x, y, which has this rank.
     pub fn secondary(&self, x: u32, y: u32, rank: u32) -> Secondary {
         let mut out = Secondary { radiance: DVec3::ZERO, rays: [0; 2], sure: true };
         let s = self.fetch(x, y, rank);
@@ -139,7 +141,7 @@ impl Input<'_> {
             if direction == DVec3::ZERO {
                 continue;
             }
-            // A normal map may send a mirrored ray into the surface: along it then.
+            // A normal map may mirror a ray into the surface; it then runs along the surface.
             let into = direction.dot(s.geometric_normal);
             out.sure &= kind == 1 || into.abs() > MARGIN;
             if kind == 0 && into < 0.0 {
@@ -202,7 +204,7 @@ impl Input<'_> {
         Cone { width: spread * s.relative_position.length(), spread }
     }
 
-    /// `daa_met`: the surface that a ray from `of` met, and whether it is seen from the front.
+    /// `daa_met`: the surface that a ray from `of` hit, and whether it is seen from the front.
     fn met(&self, of: &Sample, ray: &Ray, hit: &Hit, cone: Cone) -> (Sample, bool) {
         let a = &self.attributes[hit.triangle];
         let (object, mirrored) = self.trace.objects[hit.triangle];
@@ -252,7 +254,8 @@ impl Input<'_> {
         clean((self.sky)(&s))
     }
 
-    /// `daa_arriving`: what comes along a ray that leaves the sample `of`. One that is refracted has an index `inside`.
+    /// `daa_arriving`: the radiance along a ray that leaves the sample `of`. A refracted ray has an index of refraction
+    /// `inside`.
     fn arriving(&self, of: &Sample, mut ray: Ray, inside: Option<f64>, mut cone: Cone, sure: &mut bool) -> DVec3 {
         let end = if inside.is_some() { MAX_PASSAGES } else { 1 };
         for i in 0..end {
@@ -265,7 +268,7 @@ impl Input<'_> {
                 && !front
                 && i + 1 < end
             {
-                // Out again, or back inside where the angle is too flat.
+                // The ray leaves the object, or is reflected inside it where the angle is too flat.
                 let out = refract(ray.direction, s.normal, ior, sure);
                 let leaves = out != DVec3::ZERO;
                 ray.direction = if leaves { out } else { ray.direction.reflect(s.normal) }.normalize();
@@ -282,22 +285,22 @@ impl Input<'_> {
         DVec3::ZERO
     }
 
-    /// The first triangle that the ray meets.
+    /// The nearest triangle that the ray hits.
     fn first(&self, ray: &Ray, sure: &mut bool) -> Option<Hit> {
         let triangles = self.trace.triangles;
         let hit = rays::closest(ray, triangles);
-        // What the origin itself lies on, in the corner of two walls, say.
+        // The origin itself may lie on other surfaces, as in the corner of two walls.
         let near = ray.origin.length() * 1e-6;
         let from_before = Ray { t_min: -near, ..*ray };
         *sure &= rays::closest(&from_before, triangles) == hit && hit.is_none_or(|hit| hit.t > near);
-        // What lies behind the hit does not matter.
+        // Triangles behind the hit do not matter.
         let to_hit = Ray { t_max: hit.map_or(ray.t_max, |hit| hit.t), ..from_before };
         *sure &= triangles.iter().enumerate().all(|(i, triangle)| {
             let ray = if hit.is_some_and(|hit| hit.triangle == i) { &from_before } else { &to_hit };
             rays::margin(ray, std::slice::from_ref(triangle)) > MARGIN
         });
         if let Some(hit) = &hit {
-            // A ray that runs along a triangle meets it where rounding says.
+            // Where a ray that runs along a triangle hits it depends on rounding.
             let [a, b, c] = triangles[hit.triangle];
             let normal = (b - a).cross(c - a);
             let slips = near * normal.length() / normal.dot(ray.direction).abs();
@@ -307,7 +310,7 @@ impl Input<'_> {
     }
 }
 
-/// WGSL's: 0 where everything is reflected.
+/// `refract` of WGSL: 0 under total reflection.
 fn refract(direction: DVec3, normal: DVec3, eta: f64, sure: &mut bool) -> DVec3 {
     let along = normal.dot(direction);
     *sure &= (1.0 - eta * eta * (1.0 - along * along)).abs() > MARGIN;
@@ -332,10 +335,10 @@ fn halves(bits: u32) -> DVec2 {
     DVec2::new(half(bits), half(bits >> 16))
 }
 
-/// The attributes of a mesh's triangles where an instance puts them, in the order of [`rays::place`].
+/// The attributes of a mesh's triangles, transformed by an instance, in the order of [`rays::place`].
 pub fn place(attributes: &[VertexAttributes], indices: &[u32], world: DAffine3, material: u32) -> Vec<Attributes> {
     let back = world.matrix3.inverse().transpose();
-    // As stored: codes for normals, tangents about the normals that these decode to.
+    // As stored: normals as codes, and tangents as angles about the decoded normals.
     let stored = |i: u32| octahedral::decode(octahedral::encode(attributes[i as usize].normal.map(f64::from).into()));
     let of = |t: &[u32; 3]| {
         let first = &attributes[t[0] as usize];
@@ -343,7 +346,8 @@ pub fn place(attributes: &[VertexAttributes], indices: &[u32], world: DAffine3, 
         let [x, y, z, w] = first.tangent.map(f64::from);
         let t0 = DVec3::new(x, y, z);
         let tangent = (t0 - n * n.dot(t0)).normalize();
-        // A bitangent goes with the surface: where that mirrors it, another sign makes it from N and T.
+        // The bitangent is transformed with the surface: if that mirrors it, the sign that gives it from N and T
+        // changes.
         let bitangent = world.matrix3 * (n.cross(tangent) * w);
         let along = (world.matrix3 * tangent).normalize();
         let sign = bitangent.dot((back * n).cross(along)).signum();

@@ -1,9 +1,10 @@
-//! Twin of `shaders/classify.wgsl`.
+//! Twin of `shaders/rays/classify.wgsl`.
 
 use crate::TILE;
 
-/// The indices of the tiles with a surface, and of those with one whose material sends rays, each rising. `depth` and
-/// `surface` are the depth and the first colour target, rows from the top, of `size` pixels with windows of m × m.
+/// The indices of the tiles with a surface, and of those with a surface whose material sends rays, each in ascending
+/// order. `depth` and `surface` are the depth and the first colour target, rows from the top, of `size` pixels with
+/// windows of m × m.
 pub fn classify(
     depth: &[f32],
     surface: &[[u32; 2]],

@@ -1,4 +1,4 @@
-//! Twin of `shaders/rays_software.wgsl`: every triangle against every ray, in f64.
+//! Twin of `shaders/swap/rays_software.wgsl`: tests every triangle against every ray, in f64.
 
 pub mod bounce;
 pub mod classify;
@@ -7,33 +7,34 @@ pub mod trace;
 
 use glam::{DAffine3, DVec2, DVec3};
 
-/// Points at `origin + t · direction`, t_min < t < t_max.
+/// A ray: the points `origin + t · direction` with t_min < t < t_max.
 #[derive(Debug, Clone, Copy)]
 pub struct Ray {
-    /// Where it begins.
+    /// The origin of the ray.
     pub origin: DVec3,
-    /// Where it goes; of any length but 0.
+    /// The direction, of any length above 0.
     pub direction: DVec3,
     /// The least t of a hit.
     pub t_min: f64,
-    /// The greatest.
+    /// The greatest t of a hit.
     pub t_max: f64,
 }
 
-/// Where a ray meets a triangle.
+/// The hit of a ray with a triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hit {
-    /// In lengths of the direction.
+    /// The distance in lengths of the direction.
     pub t: f64,
-    /// Which triangle.
+    /// The index of the triangle.
     pub triangle: usize,
-    /// Seen counterclockwise.
+    /// Whether the vertices appear counterclockwise.
     pub front: bool,
-    /// Weights of the second and third vertex.
+    /// The weights of the second and third vertex.
     pub barycentrics: DVec2,
 }
 
-/// The three weights of a triangle where a ray meets its plane, and t there; `None` if it runs along the plane.
+/// The weights of the three vertices where a ray meets the plane of a triangle, t there, and the signed volume that
+/// tells its side. `None` if the ray runs along the plane.
 fn weights(ray: &Ray, [a, b, c]: [DVec3; 3]) -> Option<([f64; 3], f64, f64)> {
     let [a, b, c] = [a - ray.origin, b - ray.origin, c - ray.origin];
     let d = ray.direction;
@@ -47,7 +48,7 @@ fn weights(ray: &Ray, [a, b, c]: [DVec3; 3]) -> Option<([f64; 3], f64, f64)> {
     Some((volumes.map(|v| v / volume), normal.dot(a) / normal.dot(d), volume))
 }
 
-/// The first triangle that the ray meets; of several at the same t the first of the list.
+/// The nearest triangle that the ray hits; of several at the same t, the first in the list.
 pub fn closest(ray: &Ray, triangles: &[[DVec3; 3]]) -> Option<Hit> {
     let mut first: Option<Hit> = None;
     for (triangle, &corners) in triangles.iter().enumerate() {
@@ -60,22 +61,22 @@ pub fn closest(ray: &Ray, triangles: &[[DVec3; 3]]) -> Option<Hit> {
     first
 }
 
-/// How near the ray comes to changing what it hits: the least |weight| at any triangle that it meets or just misses, in
-/// shares of the triangle, and the least distance of a t from an end of the ray, relative to it.
+/// How near the ray comes to another hit: the lesser of the least |weight| at any triangle that it hits or just misses,
+/// as a share of the triangle, and of the least relative distance of a t from an end of the ray.
 pub fn margin(ray: &Ray, triangles: &[[DVec3; 3]]) -> f64 {
     let of = |&corners: &[DVec3; 3]| {
         let Some((w, t, _)) = weights(ray, corners) else { return f64::MAX };
         let edge = w.iter().fold(f64::MAX, |least, &w| least.min(w));
         let end = |end: f64| (t - end).abs() / t.abs().max(end.abs()).max(f64::MIN_POSITIVE);
         let ends = end(ray.t_min).min(end(ray.t_max));
-        // Well outside in one way, it does not matter how near it is in the other.
+        // A triangle that is clearly missed in one way does not matter in the other.
         let outside = (-edge).max(if t < ray.t_min || t > ray.t_max { ends } else { 0.0 });
         if outside > 0.0 { outside } else { edge.min(ends) }
     };
     triangles.iter().map(of).fold(f64::MAX, f64::min)
 }
 
-/// A mesh's triangles where an instance puts them, relative to the camera.
+/// The triangles of a mesh, transformed by an instance, relative to the camera.
 pub fn place(positions: &[[f32; 3]], indices: &[u32], world: DAffine3, camera: DVec3) -> Vec<[DVec3; 3]> {
     let vertex = |&i: &u32| world.transform_point3(DVec3::from(positions[i as usize].map(f64::from))) - camera;
     indices.as_chunks::<3>().0.iter().map(|t| [vertex(&t[0]), vertex(&t[1]), vertex(&t[2])]).collect()

@@ -1,11 +1,11 @@
-//! Twin of `shaders/shared_exponent.wgsl`: radiance in three mantissas of 9 bits and an exponent of 5.
+//! Twin of `shaders/shared/shared_exponent.wgsl`: encodes radiance in three mantissas of 9 bits and an exponent of 5.
 
 use glam::DVec3;
 
-/// Of what was traced, and is black. 0 means that nothing was traced.
+/// The code of black radiance that was traced. 0 means that nothing was traced.
 pub const TRACED_BLACK: u32 = 0x0800_0000;
 
-/// The code of a radiance that was traced; above 65408 it is that.
+/// The code of traced radiance. Values above 65408 are clamped to it.
 pub fn encode(c: DVec3) -> u32 {
     let v = c.clamp(DVec3::ZERO, DVec3::splat(65408.0));
     let greatest = v.max_element();
@@ -25,12 +25,12 @@ pub fn decode(code: u32) -> DVec3 {
     DVec3::from([code, code >> 9, code >> 18].map(|m| f64::from(m & 511))) * step(code)
 }
 
-/// Between one radiance and the next, of codes with the same exponent. Rounding is off by half of it.
+/// The step between two neighbouring values with the exponent of this code. Rounding is off by at most half of it.
 pub fn step(code: u32) -> f64 {
     2f64.powi((code >> 27) as i32 - 24)
 }
 
-/// ⌊log₂ v⌋; far below all that counts for 0.
+/// ⌊log₂ v⌋; for 0 a value below all exponents.
 fn exponent(v: f64) -> i32 {
     (v.to_bits() >> 52) as i32 - 1023
 }
@@ -43,13 +43,13 @@ mod tests {
     fn codes_are_within_half_a_step_and_never_0() {
         for i in 0..200_000 {
             let f = f64::from(i);
-            // From below the least exponent to beyond the greatest, in all ratios of the channels.
+            // Covers exponents from below the least to above the greatest, and all ratios of the channels.
             let greatest = 2f64.powf(f * 2e-4 - 22.0);
             let c = DVec3::new(1.0, (f * 0.37).fract(), (f * 0.011).fract()) * greatest;
             let code = encode(c);
             let apart = (decode(code) - c.min(DVec3::splat(65408.0))).abs().max_element();
             assert!(code != 0 && apart <= 0.5 * step(code), "{c} {code:#x} {apart}");
-            // Of the channels one needs all bits, but for the least exponent.
+            // One of the channels needs all bits, except at the least exponent.
             assert!(code >> 27 <= 1 || decode(code).max_element() >= 256.0 * step(code), "{c} {code:#x}");
         }
     }

@@ -1,43 +1,44 @@
-//! Twin of `shaders/trace.wgsl`: the shadow bits of a sample, by every triangle of the scene.
+//! Twin of `shaders/rays/trace.wgsl`: the shadow bits of a sample, with every triangle of the scene tested.
 
 use super::Ray;
 use crate::reference::{octahedral, rays};
 use crate::{Camera, CastingLight};
 use glam::{DMat4, DVec2, DVec3, DVec4};
 
-/// What a frame traces through. Positions are relative to the camera.
+/// The input of the pass. Positions are relative to the camera.
 #[derive(Debug, Clone)]
 pub struct Input<'a> {
-    /// Of the frame.
+    /// The camera of the frame.
     pub camera: Camera,
-    /// Samples of the G-buffer along x and y.
+    /// The number of samples of the G-buffer along x and y.
     pub samples: [u32; 2],
     /// The depth target, rows from the top.
     pub depth: &'a [f32],
     /// The first colour target.
     pub surface: &'a [[u32; 2]],
-    /// The second.
+    /// The second colour target.
     pub frame: &'a [[u32; 2]],
-    /// [`RayScene::least_offset`](crate::rays::RayScene::least_offset).
+    /// The least offset of rays, [`RayScene::least_offset`](crate::rays::RayScene::least_offset).
     pub least_offset: f64,
-    /// [`Needs::shadows`](crate::Needs::shadows).
+    /// The lights that cast shadows, [`Needs::shadows`](crate::Needs::shadows).
     pub lights: &'a [CastingLight],
-    /// Of all instances.
+    /// The triangles of all instances.
     pub triangles: &'a [[DVec3; 3]],
     /// The object of each triangle, and whether its instance mirrors it.
     pub objects: &'a [(u32, bool)],
 }
 
-/// The bits, and those of them that rounding could not have changed.
+/// The shadow bits, and which of them rounding could not have changed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Bits {
-    /// Bit i: light i does not reach the sample.
+    /// Bit i is set if light i does not reach the sample.
     pub shadow: u32,
-    /// Bit i: the ray is further than a share of 1e-4 of a triangle from any edge, or there was none and the angle is as clear.
+    /// Bit i is set if the ray is further than a share of 1e-4 of a triangle from any edge, or if there was no ray and
+    /// the angle is as clear.
     pub sure: u32,
 }
 
-/// How near to a decision rounding may reach.
+/// The greatest distance from a threshold that rounding may bridge.
 pub(super) const MARGIN: f64 = 1e-4;
 
 impl Input<'_> {
@@ -46,7 +47,7 @@ impl Input<'_> {
         (relative.abs().max_element() * 2f64.powi(-16)).max(self.least_offset)
     }
 
-    /// Of the sample at G-buffer coordinates x, y.
+    /// The bits of the sample at the G-buffer coordinates x, y.
     pub fn bits(&self, x: u32, y: u32) -> Bits {
         let at = (y * self.samples[0] + x) as usize;
         let depth = self.depth[at];
@@ -59,7 +60,7 @@ impl Input<'_> {
         self.bits_at(position, normal, geometric, self.surface[at][1] >> 16)
     }
 
-    /// Of a surface of `object`, wherever it was found.
+    /// The bits of a surface of `object` at a position.
     pub fn bits_at(&self, position: DVec3, normal: DVec3, geometric: DVec3, object: u32) -> Bits {
         let mut bits = Bits { shadow: 0, sure: 0 };
         for (i, light) in self.lights.iter().enumerate() {
@@ -70,7 +71,8 @@ impl Input<'_> {
         bits
     }
 
-    /// `daa_relative_position`: from the camera to the point under G-buffer coordinates at depth `d`.
+    /// `daa_relative_position`: the position, relative to the camera, of the point at G-buffer coordinates and depth
+    /// `d`.
     pub(super) fn relative_position(&self, xy: DVec2, d: f64) -> DVec3 {
         let [width, height] = self.samples.map(f64::from);
         let ndc = DVec4::new(xy.x / width * 2.0 - 1.0, 1.0 - xy.y / height * 2.0, d, 1.0);
@@ -81,7 +83,7 @@ impl Input<'_> {
         p.truncate() / p.w
     }
 
-    /// World space.
+    /// The camera's position in world space.
     pub(super) fn eye(&self) -> DVec3 {
         self.camera.world_from_view.w_axis.truncate().as_dvec3()
     }
@@ -138,21 +140,21 @@ impl Input<'_> {
                 hit && (!clearly || rays::margin(ray, triangle) > MARGIN)
             })
         };
-        // What the origin itself lies on, in the corner of two walls, say.
+        // The origin itself may lie on other surfaces, as in the corner of two walls.
         let near = position.length() * 1e-6 / ray.direction.length();
         let [before, after] = [-near, near].map(|t_min| Ray { t_min, ..ray });
         let shadow = stopped(&ray, false);
-        // One hit far from every edge is enough; without any, all must be missed clearly.
+        // A single hit far from every edge suffices; without a hit, all triangles must be missed clearly.
         let clear = stopped(&after, true);
         let missed = !stopped(&before, false) && rays::margin(&before, self.triangles) > MARGIN;
         (shadow, sure && (clear || missed))
     }
 }
 
-/// 8+8 bits, octahedral.
+/// Decodes a normal of 8+8 octahedral bits.
 pub(in crate::reference) fn geometric_normal(code: u32) -> DVec3 {
     let wide = |bits: u32| {
-        // To 16 bits: both are shares of the greatest.
+        // Converted to 16 bits: both codes are shares of their greatest value.
         let c = (f64::from(bits as u8 as i8) / 127.0).max(-1.0);
         u32::from((c * 32767.0).round() as i16 as u16)
     };
