@@ -4,7 +4,7 @@
 /// The number of samples along one side of a pixel's window; n = m².
 override DAA_M: u32 = 1u;
 
-/// One sample of the G-buffer: the argument of `shade`, `material`, `sky` and `bounce`.
+/// One sample of the G-buffer: the argument of `shade`, `material`, `sky` and `reflection`.
 struct DaaSample {
     /// Position in world space.
     position: vec3f,
@@ -38,7 +38,7 @@ struct DaaSample {
     pixel: vec2u,
     /// Radiance from reflection and refraction rays, to be added to the result unchanged. 0 where the crate adds it
     /// itself.
-    secondary: vec3f,
+    reflected: vec3f,
     /// The sample's position in the order of its window.
     rank: u32,
     /// 1 if reflections and refractions were traced. If 0, the host may substitute an approximation.
@@ -69,7 +69,7 @@ struct DaaSurface {
     shadow: u32,
     /// Radiance from reflection and refraction rays, to be added to the result unchanged. 0 where the crate adds it
     /// itself.
-    secondary: vec3f,
+    reflected: vec3f,
     /// The share of the window that the surface stands for, above 0 and at most 1.
     coverage: f32,
     /// The output pixel.
@@ -78,9 +78,9 @@ struct DaaSurface {
     traced: u32,
 }
 
-/// What a surface reflects and refracts: the result of the host's `bounce`.
-struct DaaBounce {
-    /// Weight of the radiance along the mirrored ray; 0: no ray is traced.
+/// What a surface reflects and refracts: the result of the host's `reflection`.
+struct DaaReflection {
+    /// Weight of the radiance along the reflected ray; 0: no ray is traced.
     reflection: vec3f,
     /// Index of refraction inside the object over that outside; 1: the ray is not bent.
     ior: f32,
@@ -122,7 +122,7 @@ fn daa_surface(s: DaaSample, coverage: f32) -> DaaSurface {
     f.user = s.user;
     f.normal = s.normal;
     f.shadow = s.shadow;
-    f.secondary = s.secondary;
+    f.reflected = s.reflected;
     f.coverage = coverage;
     f.pixel = s.pixel;
     f.traced = s.traced;

@@ -208,7 +208,7 @@ impl DeferredAa {
     pub fn lend(&mut self, device: &wgpu::Device, lent: &[Lent<'_>]) -> Result<(), LendError> {
         let resources = self.resources.as_ref().ok_or(LendError::NoSize)?;
         let size = resources.size;
-        let shape = self.shape(size, &Settings::default(), RayInputs { shadows: true, secondary: true });
+        let shape = self.shape(size, &Settings::default(), RayInputs { shadows: true, reflections: true });
         let loans = Loans::new(lent, &shape, binding_limit(device))?;
         let memory = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let binding = device.push_error_scope(wgpu::ErrorFilter::Validation);
@@ -240,7 +240,7 @@ impl DeferredAa {
             sample_list: resources.buffer(Part::SampleListEntries),
             shadows: resources.buffer(Part::Shadows),
             tile_lists: resources.buffer(Part::Tiles),
-            secondary: resources.buffer(Part::Secondary),
+            reflections: resources.buffer(Part::Reflections),
             lattices: resources.buffer(Part::LatticePoints).zip(resources.buffer(Part::LatticeColors)).map(Into::into),
         })
     }
@@ -330,7 +330,7 @@ impl DeferredAa {
     /// between two calls, for a view of another size after a [`resize`](Self::resize). The limits of one node between
     /// two submits are:
     /// - At most 16 frames may be recorded; the next would overwrite the constants of the first.
-    /// - All of them use [`Needs::textured`], [`Needs::importance`] and [`Needs::bounces`] of the last one.
+    /// - All of them use [`Needs::textured`], [`Needs::importance`] and [`Needs::reflective`] of the last one.
     /// - All that trace one [`RayScene`](crate::rays::RayScene) use its last [update](crate::rays::RayScene::update),
     ///   and a scene is updated for one camera. Views with rays need a scene each or a submit each.
     pub fn record(
@@ -384,7 +384,7 @@ impl DeferredAa {
             buffers.write_marks(queue, &frame.needs);
         }
         if casting.is_some() {
-            buffers.write_bouncing(queue, frame.needs.bounces);
+            buffers.write_reflective(queue, frame.needs.reflective);
         }
         let mut ready = Vec::with_capacity(steps.len());
         for pass in passes(settings, inputs, steps) {

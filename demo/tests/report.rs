@@ -202,8 +202,8 @@ fn what_the_scene_does_not_pay_for_is_there() {
     assert!(rows[0]["on"]["rays"].as_u64().unwrap() > 0);
     let tiers = effects["tiers"].as_array().unwrap();
     assert!(tiers[0]["tier"] == "software" && tiers[0]["bytes_per_triangle"].as_f64().unwrap() < 40.0);
-    let bounce = |r: &Value| r["frames"]["tiles"]["bounce"].as_u64().unwrap();
-    let mirrors: Vec<_> = effects["mirrors"].as_array().unwrap().iter().map(bounce).collect();
+    let reflect = |r: &Value| r["frames"]["tiles"]["reflect"].as_u64().unwrap();
+    let mirrors: Vec<_> = effects["mirrors"].as_array().unwrap().iter().map(reflect).collect();
     assert!(mirrors[0] == 0 && mirrors[1] > 0 && mirrors[2] == 64 * mirrors[1], "{mirrors:?}");
 }
 

@@ -75,11 +75,11 @@ fn daa_contrast_samples(pixel: vec2u, own: DaaGeometry, own_color: vec4f) -> u32
 
 /// The radiance that a geometric sample reflects and refracts, unless the shaded colours include it. It was traced for
 /// this sample and is not filtered.
-fn daa_secondary_of(pixel: vec2u, rank: u32) -> vec4f {
-    if !daa_flag(DAA_FLAG_SECONDARY_APART) {
+fn daa_reflection_of(pixel: vec2u, rank: u32) -> vec4f {
+    if !daa_flag(DAA_FLAG_REFLECTIONS_APART) {
         return vec4f(0.0);
     }
-    return vec4f(daa_radiance_decode(daa_secondary_code(pixel, rank)), 0.0);
+    return vec4f(daa_radiance_decode(daa_reflection_code(pixel, rank)), 0.0);
 }
 
 @compute @workgroup_size(64)
@@ -100,18 +100,18 @@ fn daa_reconstruct_main(@builtin(workgroup_id) tile: vec3u, @builtin(local_invoc
     var k = 1u;
     var shaded = vec2u(0u);
     var on_own = vec2u(0u);
-    var secondary_on_own = vec4f(0.0);
+    var reflections_on_own = vec4f(0.0);
     var others = DaaMean();
     if inside {
         let own = daa_near[(lane / 8u + 1u) * 10u + lane % 8u + 1u];
         k = daa_contrast_samples(pixel, own, own_color);
         for (var rank = 0u; rank < daa_frame.reconstruct.samples; rank++) {
             let i = daa_geometry(pixel, rank);
-            let secondary = daa_secondary_of(pixel, rank);
+            let reflected = daa_reflection_of(pixel, rank);
             // The window's own shaded sample is as near as any other, and its texture footprint covers this window.
             if own_first && daa_reconstruct_weight(i, own) >= 0.5 {
                 on_own = daa_with(on_own, rank);
-                secondary_on_own += secondary;
+                reflections_on_own += reflected;
                 if rank > 0u && rank < k {
                     shaded = daa_with(shaded, rank);
                 }
@@ -119,9 +119,9 @@ fn daa_reconstruct_main(@builtin(workgroup_id) tile: vec3u, @builtin(local_invoc
             }
             let around = daa_reconstruct_sample(pixel, i);
             if around.weight >= daa_frame.reconstruct.least_weight {
-                others = daa_weighted(others, around.sum / around.weight + secondary);
+                others = daa_weighted(others, around.sum / around.weight + reflected);
             } else if rank == 0u {
-                others = daa_weighted(others, own_color + secondary);
+                others = daa_weighted(others, own_color + reflected);
             } else {
                 shaded = daa_with(shaded, rank);
             }
@@ -161,7 +161,7 @@ fn daa_reconstruct_main(@builtin(workgroup_id) tile: vec3u, @builtin(local_invoc
             if daa_has(on_own, rank) {
                 own_mean = daa_weighted(own_mean, c);
             } else {
-                others = daa_weighted(others, c + daa_secondary_of(pixel, rank));
+                others = daa_weighted(others, c + daa_reflection_of(pixel, rank));
             }
             shaded = daa_without_least(shaded);
         }
@@ -170,7 +170,7 @@ fn daa_reconstruct_main(@builtin(workgroup_id) tile: vec3u, @builtin(local_invoc
         return;
     }
     let of_own = f32(countOneBits(on_own.x) + countOneBits(on_own.y));
-    let all_own = daa_weighted(DaaMean(), daa_mean_finish(own_mean) + secondary_on_own / max(of_own, 1.0));
+    let all_own = daa_weighted(DaaMean(), daa_mean_finish(own_mean) + reflections_on_own / max(of_own, 1.0));
     let mean = DaaMean(others.sum + all_own.sum * of_own, others.weight + all_own.weight * of_own);
     textureStore(daa_color, pixel, daa_mean_finish(mean));
     daa_plan[daa_tile_index(tile.xy) * 64u + lane] = daa_plan_word(count + 1u, DAA_BY_NOTHING, 0u);

@@ -48,7 +48,7 @@ fn daa_hit(object: u32, material: u32, normal: u32, bits: u32) -> vec4u {
 fn daa_seen(pixel: vec2u, kind: u32) -> vec4u {
     let nothing = vec4u(0u, DAA_NO_OBJECT, 0u, 0u);
     if kind > 0u {
-        let hit = daa_secondary_hit(pixel, kind - 1u);
+        let hit = daa_reflection_hit(pixel, kind - 1u);
         if hit.y == 0u {
             return nothing;
         }
@@ -166,7 +166,7 @@ fn daa_least_threshold(least: DaaThreshold, taus: vec4f, importance: vec4f, by: 
 fn daa_threshold(d: DaaDisagreement) -> DaaThreshold {
     var least = DaaThreshold(DAA_OFF, DAA_COLOR);
     least = daa_least_threshold(least, daa_frame.selective.primary, d.shown, 1u);
-    least = daa_least_threshold(least, daa_frame.selective.secondary, d.beyond, 5u);
+    least = daa_least_threshold(least, daa_frame.selective.reflected, d.beyond, 5u);
     if least.tau == DAA_OFF {
         least.tau = daa_frame.selective.color;
     }

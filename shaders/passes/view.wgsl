@@ -7,8 +7,8 @@
 @group(3) @binding(2) var<storage, read> daa_tile_lists: array<u32>;
 /// As trace.wgsl writes it.
 @group(3) @binding(3) var<storage, read> daa_shadows: array<u32>;
-/// As bounce.wgsl writes it.
-@group(3) @binding(4) var<storage, read> daa_secondary: array<u32>;
+/// As reflect.wgsl writes it.
+@group(3) @binding(4) var<storage, read> daa_reflections: array<u32>;
 
 /// A colour scale from black through red and yellow to white.
 fn daa_heat(t: f32) -> vec3f {
@@ -74,8 +74,8 @@ fn daa_rays_sent(pixel: vec2u) -> u32 {
     for (var rank = 0u; rank < n && daa_frame.casting > 0u; rank++) {
         rays += daa_shadows[daa_sample_index(pixel, n + rank)];
     }
-    for (var rank = 0u; rank < n && daa_flag(DAA_FLAG_BOUNCES); rank++) {
-        let sent = daa_secondary[daa_sample_index(pixel, n + 6u + rank)];
+    for (var rank = 0u; rank < n && daa_flag(DAA_FLAG_REFLECTS); rank++) {
+        let sent = daa_reflections[daa_sample_index(pixel, n + 6u + rank)];
         rays += (sent & 0xffffu) + (sent >> 16u);
     }
     return rays;

@@ -1,4 +1,4 @@
-// The shared parts of `trace` and `bounce`: the samples from which they cast rays, and shadow rays. Each pass defines
+// The shared parts of `trace` and `reflect`: the samples from which they cast rays, and shadow rays. Each pass defines
 // its own `daa_wants` and `daa_begin`.
 
 @group(3) @binding(1) var<storage, read> daa_ray_geometry: array<vec4u>;
@@ -48,7 +48,7 @@ struct DaaCasting {
 
 /// Classes of tiles, in the order of `DaaTileLists`.
 const DAA_TILES_SURFACE: u32 = 0u;
-const DAA_TILES_BOUNCE: u32 = 1u;
+const DAA_TILES_REFLECT: u32 = 1u;
 
 /// The samples of a lane: of a pixel, the ranks from `first` up to, but without, `end`, restricted to some quadrants.
 /// With DAA_SAMPLES_POINTS, `pixel` is the lane's position among all workgroups, and `quadrants` has a bit for each of

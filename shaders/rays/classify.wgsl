@@ -1,9 +1,9 @@
-// classify: lists the tiles in which rays are needed, by kind, so that `trace` and `bounce` run only there. CPU twin:
+// classify: lists the tiles in which rays are needed, by kind, so that `trace` and `reflect` run only there. CPU twin:
 // src/reference/rays/classify.rs.
 
 @group(3) @binding(0) var<storage, read_write> daa_tile_lists: DaaTileLists;
 /// A bit for each material: whether it sends rays.
-@group(3) @binding(1) var<storage, read> daa_bouncing: array<u32>;
+@group(3) @binding(1) var<storage, read> daa_reflective: array<u32>;
 @group(3) @binding(2) var<storage, read_write> daa_statistics: DaaStatistics;
 
 /// A class of tiles: their number, and the workgroups of an indirect dispatch over them.
@@ -28,14 +28,14 @@ var<workgroup> daa_found: atomic<u32>;
 fn daa_classify_main(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocation_index) lane: u32) {
     let pixel = daa_tile_pixel(tile.xy, lane);
     // If no material sends rays, the search ends at the first surface.
-    let wanted = select(1u, 3u, daa_flag(DAA_FLAG_BOUNCES));
+    let wanted = select(1u, 3u, daa_flag(DAA_FLAG_REFLECTS));
     var found = 0u;
     if all(pixel < daa_frame.size) {
         for (var i = 0u; i < DAA_M * DAA_M && found != wanted; i++) {
             let at = pixel * DAA_M + vec2u(i % DAA_M, i / DAA_M);
             if daa_depth_at(at) > DAA_SKY_DEPTH {
                 let material = textureLoad(daa_gbuffer_surface, at, 0).y & 0xffffu;
-                found |= 1u | (((daa_bouncing[material >> 5u] >> (material & 31u)) & 1u) << 1u);
+                found |= 1u | (((daa_reflective[material >> 5u] >> (material & 31u)) & 1u) << 1u);
             }
         }
     }

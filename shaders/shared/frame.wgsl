@@ -51,7 +51,7 @@ struct DaaSelective {
     /// Thresholds for objects, normals, shadows and textures.
     primary: vec4f,
     /// The same thresholds for reflected and refracted surfaces.
-    secondary: vec4f,
+    reflected: vec4f,
     /// Threshold for colour where no attribute disagrees.
     color: f32,
     /// Difference of colour below which there is no contrast.
@@ -126,7 +126,7 @@ const DAA_FLAG_OWN_FIRST: u32 = 2048u;
 const DAA_FLAG_TRACE_ALL: u32 = 4096u;
 const DAA_FLAG_REFLECTIONS: u32 = 8192u;
 const DAA_FLAG_REFRACTIONS: u32 = 16384u;
-const DAA_FLAG_SECONDARY_APART: u32 = 32768u;
+const DAA_FLAG_REFLECTIONS_APART: u32 = 32768u;
 const DAA_FLAG_SELECTIVE: u32 = 0x10000u;
 const DAA_FLAG_SHADOW_LIGHTS: u32 = 0x20000u;
 const DAA_FLAG_BILINEAR: u32 = 0x40000u;
@@ -137,7 +137,7 @@ const DAA_FLAG_VETO: u32 = 0x400000u;
 const DAA_FLAG_WEIGHTED: u32 = 0x800000u;
 const DAA_FLAG_SUPERSAMPLED: u32 = 0x1000000u;
 const DAA_FLAG_LATTICE: u32 = 0x2000000u;
-const DAA_FLAG_BOUNCES: u32 = 0x4000000u;
+const DAA_FLAG_REFLECTS: u32 = 0x4000000u;
 
 @group(0) @binding(0) var<uniform> daa_frame: DaaFrame;
 

@@ -85,9 +85,9 @@ fn daa_fetch(pixel: vec2u, rank: u32, footprint: f32, offset: vec2f) -> DaaSampl
     s.ddy = ddy * footprint;
     // Tiles with nothing but sky are not traced, and hold no bits.
     s.shadow = select(0u, daa_shadow_bits(pixel, rank), valid);
-    let code = daa_secondary_code(pixel, rank);
-    let apart = daa_flag(DAA_FLAG_SECONDARY_APART);
-    s.secondary = select(daa_radiance_decode(code), vec3f(0.0), apart);
+    let code = daa_reflection_code(pixel, rank);
+    let apart = daa_flag(DAA_FLAG_REFLECTIONS_APART);
+    s.reflected = select(daa_radiance_decode(code), vec3f(0.0), apart);
     s.traced = u32(code != 0u);
     return s;
 }

@@ -14,7 +14,7 @@ struct DaaStatistics {
     decided: array<atomic<u32>, 7>,
     /// Number of shadow rays.
     shadow_rays: atomic<u32>,
-    /// Number of mirrored rays.
+    /// Number of reflected rays.
     reflection_rays: atomic<u32>,
     /// Number of refracted rays.
     refraction_rays: atomic<u32>,

@@ -4,7 +4,7 @@
 @group(3) @binding(0) var<uniform> daa_step: DaaStep;
 @group(3) @binding(1) var<storage, read_write> daa_points: array<vec4u>;
 @group(3) @binding(2) var<storage, read_write> daa_shadows: array<u32>;
-@group(3) @binding(3) var<storage, read_write> daa_secondary: array<u32>;
+@group(3) @binding(3) var<storage, read_write> daa_reflections: array<u32>;
 
 /// The reflected and refracted radiance, with 1 in w if anything was traced.
 fn daa_value(index: u32, point: DaaPoint) -> vec4f {
@@ -34,7 +34,7 @@ fn daa_put(index: u32, point: DaaPoint, value: vec4f, bits: u32) {
         daa_shadows[at] = bits;
     }
     if (daa_step.rays & 2u) != 0u {
-        daa_secondary[at] = code;
+        daa_reflections[at] = code;
     }
 }
 
@@ -43,7 +43,7 @@ fn daa_keep(index: u32, coarser: u32) {
     daa_points[index + daa_step.found] = daa_points[coarser + daa_step.found];
 }
 
-/// `trace` and `bounce` write the value later.
+/// `trace` and `reflect` write the value later.
 fn daa_leave(index: u32) {
     daa_points[index + daa_step.found] = vec4u(0u);
 }

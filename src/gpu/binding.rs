@@ -24,7 +24,7 @@ pub(crate) enum Slot {
     /// The marks of materials and objects, from the host.
     Marks,
     /// A bit for each material: whether it sends rays.
-    Bouncing,
+    Reflective,
     /// The squared errors of audited tiles.
     Audits,
     /// Counters for audited samples, which are not read.
@@ -44,7 +44,7 @@ impl Slot {
             Self::Part(part) => Some(part.resource()),
             Self::Audits => Some(Resource::Statistics),
             Self::RayNodes | Self::RayGeometry | Self::RayTop => Some(Resource::Rays),
-            Self::Step | Self::Casting | Self::Marks | Self::Bouncing | Self::AuditedCounters | Self::InputCounts => {
+            Self::Step | Self::Casting | Self::Marks | Self::Reflective | Self::AuditedCounters | Self::InputCounts => {
                 None
             }
         }
@@ -252,7 +252,7 @@ pub(crate) fn frame_layout(device: &wgpu::Device, inputs: RayInputs) -> wgpu::Bi
         texture(3, wgpu::TextureSampleType::Uint),
         texture(4, wgpu::TextureSampleType::Uint),
     ];
-    for (binding, has) in [(5, inputs.shadows), (6, inputs.secondary)] {
+    for (binding, has) in [(5, inputs.shadows), (6, inputs.reflections)] {
         if has {
             entries.push(buffer(binding, wgpu::ShaderStages::COMPUTE, found, false, 0));
         }

@@ -16,8 +16,8 @@ use std::sync::OnceLock;
 const NAMES: usize = 1 << 16;
 /// The bytes of `daa_marks` of select.wgsl: a bit for each material and a byte for each object.
 const MARKS_BYTES: u64 = NAMES as u64 / 8 + NAMES as u64;
-/// The bytes of `daa_bouncing` of bounce.wgsl: a bit for each material.
-const BOUNCING_BYTES: u64 = NAMES as u64 / 8;
+/// The bytes of `daa_reflective` of reflect.wgsl: a bit for each material.
+const REFLECTIVE_BYTES: u64 = NAMES as u64 / 8;
 
 /// The buffers of a node.
 #[derive(Debug)]
@@ -27,7 +27,7 @@ pub(crate) struct NodeBuffers {
     steps: OnceLock<Ring<StepUniform>>,
     casting: OnceLock<Ring<CastingUniform>>,
     marks: OnceLock<wgpu::Buffer>,
-    bouncing: OnceLock<wgpu::Buffer>,
+    reflective: OnceLock<wgpu::Buffer>,
     audits: OnceLock<wgpu::Buffer>,
     audited_counters: OnceLock<wgpu::Buffer>,
     /// Placeholders for bindings that a pass does not use: one for reading, and one for writing.
@@ -45,7 +45,7 @@ impl NodeBuffers {
             steps: OnceLock::new(),
             casting: OnceLock::new(),
             marks: OnceLock::new(),
-            bouncing: OnceLock::new(),
+            reflective: OnceLock::new(),
             audits: OnceLock::new(),
             audited_counters: OnceLock::new(),
             nothing: OnceLock::new(),
@@ -73,8 +73,8 @@ impl NodeBuffers {
         self.marks.get_or_init(|| self.storage("daa marks", MARKS_BYTES, wgpu::BufferUsages::COPY_DST))
     }
 
-    fn bouncing(&self) -> &wgpu::Buffer {
-        self.bouncing.get_or_init(|| self.storage("daa bouncing", BOUNCING_BYTES, wgpu::BufferUsages::COPY_DST))
+    fn reflective(&self) -> &wgpu::Buffer {
+        self.reflective.get_or_init(|| self.storage("daa reflective", REFLECTIVE_BYTES, wgpu::BufferUsages::COPY_DST))
     }
 
     fn storage(&self, label: &str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
@@ -100,7 +100,7 @@ impl NodeBuffers {
             Slot::Step => &self.steps().buffer,
             Slot::Casting => &self.casting().buffer,
             Slot::Marks => self.marks(),
-            Slot::Bouncing => self.bouncing(),
+            Slot::Reflective => self.reflective(),
             Slot::Audits => self.audits(),
             Slot::AuditedCounters => self
                 .audited_counters
@@ -117,7 +117,7 @@ impl NodeBuffers {
     /// The bytes of buffers for rays.
     pub fn rays_held(&self) -> u64 {
         let casting = self.casting.get().map(|ring| &ring.buffer);
-        casting.into_iter().chain(self.bouncing.get()).map(wgpu::Buffer::size).sum()
+        casting.into_iter().chain(self.reflective.get()).map(wgpu::Buffer::size).sum()
     }
 
     /// Writes the marks of materials and objects, checked, if they differ from the last frame's.
@@ -140,7 +140,7 @@ impl NodeBuffers {
     }
 
     /// Writes the materials that send rays if they differ from the last frame's.
-    pub fn write_bouncing(&mut self, queue: &wgpu::Queue, materials: &[u32]) {
+    pub fn write_reflective(&mut self, queue: &wgpu::Queue, materials: &[u32]) {
         let mut bits = [0; NAMES / 32];
         for &material in materials {
             bits[(material & 0xffff) as usize / 32] |= 1 << (material % 32);
@@ -148,7 +148,7 @@ impl NodeBuffers {
         if self.sending[..] != bits {
             self.sending.clear();
             self.sending.extend(bits);
-            queue.write_buffer(self.bouncing(), 0, bytemuck::cast_slice(&self.sending));
+            queue.write_buffer(self.reflective(), 0, bytemuck::cast_slice(&self.sending));
         }
     }
 }

@@ -30,7 +30,7 @@ const RAYS: [RayTier; 2] = [RayTier::Software, RayTier::Query];
 const SPLIT: &str = "fn material(s: DaaSample) -> DaaMaterial { return DaaMaterial(); }
     fn light(f: DaaSurface, m: DaaMaterial) -> vec4f { return m.base_color * f.coverage; }
     fn sky(s: DaaSample) -> vec4f { return vec4f(s.view, 1.0); }
-    fn bounce(s: DaaSample) -> DaaBounce { return DaaBounce(s.normal, 1.5, s.view, s.normal); }
+    fn reflection(s: DaaSample) -> DaaReflection { return DaaReflection(s.normal, 1.5, s.view, s.normal); }
     fn solid(material: u32, uv: vec2f) -> bool { return fract(uv.x) > 0.5; }";
 const WHOLE: &str = "fn shade(s: DaaSample) -> vec4f { return vec4f(s.normal, 1.0); }";
 
@@ -50,7 +50,7 @@ fn modules() -> Vec<(String, naga::Module)> {
         for hook in [WHOLE, SPLIT] {
             let host = host(hook, tier);
             for pass in passes::ALL {
-                if pass.module.base == (Base::Casting { shades: true }) && !host.bounces {
+                if pass.module.base == (Base::Casting { shades: true }) && !host.reflects {
                     continue;
                 }
                 for (inputs, rays) in RayInputs::ALL.into_iter().flat_map(|inputs| RAYS.map(|rays| (inputs, rays))) {
@@ -279,7 +279,7 @@ fn every_module_is_sound_and_has_the_frame() {
         ),
         (
             "DaaSelective",
-            rust_layout!(SelectiveUniform { primary, secondary, color, contrast_min, normal_cosine, samples }),
+            rust_layout!(SelectiveUniform { primary, reflected, color, contrast_min, normal_cosine, samples }),
         ),
         ("DaaMultiResolution", rust_layout!(MultiResolutionUniform { color, position, padding })),
     ];
@@ -368,7 +368,7 @@ fn flags_are_the_shaders() {
         ("TRACE_ALL", flag::TRACE_ALL),
         ("REFLECTIONS", flag::REFLECTIONS),
         ("REFRACTIONS", flag::REFRACTIONS),
-        ("SECONDARY_APART", flag::SECONDARY_APART),
+        ("REFLECTIONS_APART", flag::REFLECTIONS_APART),
         ("WEIGHT_LUMINANCE", flag::WEIGHT_LUMINANCE),
         ("FULL", flag::FULL),
         ("EDGE_AWARE_FIRST", flag::EDGE_AWARE_FIRST),
@@ -382,7 +382,7 @@ fn flags_are_the_shaders() {
         ("WEIGHTED", flag::WEIGHTED),
         ("SUPERSAMPLED", flag::SUPERSAMPLED),
         ("LATTICE", flag::LATTICE),
-        ("BOUNCES", flag::BOUNCES),
+        ("REFLECTS", flag::REFLECTS),
     ];
     for (name, value) in flags {
         assert_eq!(constant(&module, &format!("DAA_FLAG_{name}")), value, "{name}");
@@ -473,7 +473,7 @@ fn dispatches_are_where_the_shaders_write_them() {
     let (members, size) = wgsl_layout(&classify, "DaaTileClass");
     assert_eq!(u64::from(size) * 2, TILE_CLASSES_BYTES);
     let at = members.iter().find(|m| m.0 == "groups_x").map(|m| u64::from(m.1)).expect("groups");
-    for (pass, class) in [(&passes::rays::trace::FIRST, 0), (&passes::rays::bounce::FIRST, 1)] {
+    for (pass, class) in [(&passes::rays::trace::FIRST, 0), (&passes::rays::reflect::FIRST, 1)] {
         let expected = Grid::Indirect { part: Part::Tiles, offset: class * u64::from(size) + at };
         assert_eq!(pass.stages[0].grid, expected);
     }

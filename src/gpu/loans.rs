@@ -34,7 +34,7 @@ pub(crate) struct Loans {
 /// Whether any pass binds both parts, even if it uses only one: wgpu does not allow the same buffer or texture to be
 /// bound for reading and for writing in one dispatch.
 fn are_bound_together(one: Part, other: Part) -> bool {
-    let all_samples = [Part::Shadows, Part::Secondary];
+    let all_samples = [Part::Shadows, Part::Reflections];
     passes::ALL.iter().any(|pass| {
         let binds = |part: Part| {
             // The host renders to all attachments together, and group 0 binds all of them.

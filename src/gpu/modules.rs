@@ -71,7 +71,7 @@ fn samples(inputs: RayInputs) -> [&'static str; 7] {
         chunk::SAMPLE,
         chunk::SHARED_EXPONENT,
         if inputs.shadows { chunk::SHADOWS } else { chunk::SHADOWS_NONE },
-        if inputs.secondary { chunk::SECONDARY } else { chunk::SECONDARY_NONE },
+        if inputs.reflections { chunk::REFLECTIONS } else { chunk::REFLECTIONS_NONE },
     ]
 }
 
@@ -106,7 +106,7 @@ fn casting(host: &HostSource, tier: RayTier, shades: bool) -> Vec<&str> {
     chunks.extend([chunk::MEAN, chunk::STATISTICS]);
     if shades {
         chunks.extend(host.calls());
-        chunks.push("fn daa_call_bounce(s: DaaSample) -> DaaBounce { return bounce(s); }");
+        chunks.push("fn daa_call_reflection(s: DaaSample) -> DaaReflection { return reflection(s); }");
     }
     chunks.extend([nodes, host.solid_call(), chunk::RAYS, traversal, chunk::LATTICE, chunk::LISTING, chunk::CASTING]);
     chunks

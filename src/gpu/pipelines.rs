@@ -131,7 +131,7 @@ impl Build {
     /// Refuses passes that this node can't run.
     fn admit(&self, pass: &PassData) -> Result<RayTier, RecordError> {
         match (pass.module.base, self.rays) {
-            (Base::Casting { shades: true }, Some(_)) if !self.host.bounces => Err(RecordError::NoBounce),
+            (Base::Casting { shades: true }, Some(_)) if !self.host.reflects => Err(RecordError::NoReflection),
             (Base::Casting { .. }, None) => Err(RecordError::NoRays),
             (_, tier) => Ok(tier.unwrap_or_default()),
         }

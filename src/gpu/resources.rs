@@ -222,8 +222,8 @@ impl SizedResources {
             }
         }
         // The code 0 means that nothing was traced.
-        if let Some(secondary) = self.buffer(Part::Secondary).filter(|_| shape.inputs.secondary) {
-            encoder.clear_buffer(secondary, 0, None);
+        if let Some(reflections) = self.buffer(Part::Reflections).filter(|_| shape.inputs.reflections) {
+            encoder.clear_buffer(reflections, 0, None);
         }
     }
 
@@ -306,8 +306,10 @@ impl SizedResources {
             view(4, &self.gbuffer.color[2]),
         ];
         // Results that were not traced read as 0.
-        let found =
-            [(5, Part::Shadows, set.shadows, inputs.shadows), (6, Part::Secondary, set.secondary, inputs.secondary)];
+        let found = [
+            (5, Part::Shadows, set.shadows, inputs.shadows),
+            (6, Part::Reflections, set.reflections, inputs.reflections),
+        ];
         for (binding, part, _, traced) in found.into_iter().filter(|found| found.2) {
             let buffer = self.buffer(part).filter(|_| traced);
             let buffer = buffer.unwrap_or_else(|| buffers.nothing(crate::gpu::binding::Access::Read));

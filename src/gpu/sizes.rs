@@ -121,8 +121,8 @@ impl Shape {
             // A word for each tile in each class, and a word for the classes of each tile.
             Part::Tiles if inputs.any() => buffer(TILE_CLASSES_BYTES + 3 * tiles * 4, indirect | cleared),
             Part::Shadows if inputs.shadows => buffer(self.shadow_bytes(), cleared),
-            Part::Secondary if inputs.secondary => buffer(self.secondary_bytes(), cleared),
-            Part::Tiles | Part::Shadows | Part::Secondary => None,
+            Part::Reflections if inputs.reflections => buffer(self.reflection_bytes(), cleared),
+            Part::Tiles | Part::Shadows | Part::Reflections => None,
             Part::Counters => buffer(COUNTER_BYTES, wgpu::BufferUsages::COPY_SRC | cleared),
             Part::Target => texture(self.target_format, size, wgpu::TextureUsages::RENDER_ATTACHMENT),
         }
@@ -137,7 +137,7 @@ impl Shape {
     /// alternate; room for counts of rays is freed.
     pub fn most(&self, part: Part) -> u64 {
         match part {
-            Part::Shadows | Part::Secondary if !self.rays => Self { hits: true, ..*self }.bytes(part),
+            Part::Shadows | Part::Reflections if !self.rays => Self { hits: true, ..*self }.bytes(part),
             _ => u64::MAX,
         }
     }
@@ -149,7 +149,7 @@ impl Shape {
 
     /// The bytes of the reflected and refracted radiance, of the hits of first samples, and of the counts of rays.
     /// Counts lie after the room for hits, whether or not hits are kept.
-    fn secondary_bytes(&self) -> u64 {
+    fn reflection_bytes(&self) -> u64 {
         let hits = if self.hits || self.rays { plan_bytes(self.size) * HIT_WORDS } else { 0 };
         self.shadow_bytes() + hits
     }

@@ -263,11 +263,11 @@ pub enum RecordError {
     /// The frame needs rays, but has no scene to trace them in.
     #[error("the frame asks for rays, but has no scene for them; set Needs::rays")]
     NoRayScene,
-    /// The frame has materials that send rays, but the host's WGSL has no `bounce`.
+    /// The frame has materials that send rays, but the host's WGSL has no `reflection`.
     #[error(
-        "the frame has materials that reflect or refract, but the host's WGSL has no `fn bounce(s: DaaSample) -> DaaBounce`; write it, or leave Needs::bounces empty"
+        "the frame has materials that reflect or refract, but the host's WGSL has no `fn reflection(s: DaaSample) -> DaaReflection`; write it, or leave Needs::reflective empty"
     )]
-    NoBounce,
+    NoReflection,
     /// The ray scene was made for another tier than the node.
     #[error(
         "the scene for rays was made for RayTier::{scene:?}, the node for RayTier::{node:?}; make it with the node's tier"

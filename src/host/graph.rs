@@ -130,7 +130,7 @@ pub enum Part {
     /// The shadow bits of [`Resource::Traced`].
     Shadows,
     /// The reflected and refracted radiance of [`Resource::Traced`].
-    Secondary,
+    Reflections,
     /// The buffer of [`Resource::Statistics`].
     Counters,
     /// The texture of [`Resource::Target`].
@@ -221,7 +221,7 @@ impl Part {
         Self::LatticeColors,
         Self::Tiles,
         Self::Shadows,
-        Self::Secondary,
+        Self::Reflections,
         Self::Counters,
         Self::Target,
     ];
@@ -247,7 +247,7 @@ impl Part {
             | Self::SampleListColors => Resource::List,
             Self::LatticePoints | Self::LatticeColors => Resource::Lattice,
             Self::Tiles => Resource::Tiles,
-            Self::Shadows | Self::Secondary => Resource::Traced,
+            Self::Shadows | Self::Reflections => Resource::Traced,
             Self::Counters => Resource::Statistics,
             Self::Target => Resource::Target,
         }
@@ -259,7 +259,7 @@ impl Part {
                 Lifetime::Imported
             }
             Self::Counters => Lifetime::Kept,
-            Self::Tiles | Self::Shadows | Self::Secondary => Lifetime::Transient { from_begin: true },
+            Self::Tiles | Self::Shadows | Self::Reflections => Lifetime::Transient { from_begin: true },
             _ => Lifetime::Transient { from_begin: false },
         }
     }
@@ -280,7 +280,7 @@ pub enum PassKind {
     /// Traces shadow rays.
     Trace,
     /// Traces mirrored and refracted rays.
-    Bounce,
+    Reflect,
     /// Shades the first sample of every window.
     First,
     /// Computes how many samples of each window are shaded.

@@ -29,10 +29,10 @@ pub struct Intermediates<'a> {
     pub tile_lists: Option<&'a wgpu::Buffer>,
     /// The radiance that all samples reflect and refract, in the same layout and under the same conditions as
     /// [`shadows`](Self::shadows): codes of shared_exponent.wgsl, 0 where nothing was traced. The hits of the rays of
-    /// first samples follow, once [`Technique::Selective`](crate::Technique::Selective) has run: `daa_secondary_hit` of
-    /// secondary.wgsl, word by word, 6 words a pixel. The rays that each sample sent follow those, or their room, once
+    /// first samples follow, once [`Technique::Selective`](crate::Technique::Selective) has run: `daa_reflection_hit` of
+    /// reflections.wgsl, word by word, 6 words a pixel. The rays that each sample sent follow those, or their room, once
     /// a frame has shown [`DebugView::Rays`](crate::DebugView::Rays): mirrored ones + refracted ones · 2¹⁶.
-    pub secondary: Option<&'a wgpu::Buffer>,
+    pub reflections: Option<&'a wgpu::Buffer>,
     /// The words of the points of all lattices, and the colours of those that are shaded, once
     /// [`Technique::MultiResolution`](crate::Technique::MultiResolution) has run: `daa_point_word` of lattice.wgsl; see
     /// `reference::multi_resolution`.

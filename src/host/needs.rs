@@ -14,8 +14,8 @@ pub struct Needs<'a> {
     /// reach the surface. Leave out lights that cast no shadows.
     pub shadows: &'a [CastingLight],
     /// The materials (values of `DaaSample::material`, below 65536) whose surfaces reflect or refract. The host's
-    /// `bounce` is called for these materials; no rays start from others.
-    pub bounces: &'a [u32],
+    /// `reflection` is called for these materials; no rays start from others.
+    pub reflective: &'a [u32],
     /// The materials (below 65536) that have a texture: the texture existence of
     /// [`Technique::Selective`](crate::Technique::Selective). Other techniques ignore them.
     pub textured: &'a [u32],
@@ -61,7 +61,7 @@ pub enum CastingLight {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub(crate) struct RayInputs {
     pub shadows: bool,
-    pub secondary: bool,
+    pub reflections: bool,
 }
 
 impl RayInputs {
@@ -69,10 +69,10 @@ impl RayInputs {
     pub const COUNT: usize = 4;
     /// All combinations, in the order of [`index`](Self::index).
     pub const ALL: [Self; Self::COUNT] = [
-        Self { shadows: false, secondary: false },
-        Self { shadows: true, secondary: false },
-        Self { shadows: false, secondary: true },
-        Self { shadows: true, secondary: true },
+        Self { shadows: false, reflections: false },
+        Self { shadows: true, reflections: false },
+        Self { shadows: false, reflections: true },
+        Self { shadows: true, reflections: true },
     ];
 
     pub fn of(settings: &Settings, needs: &Needs<'_>) -> Self {
@@ -81,28 +81,28 @@ impl RayInputs {
             Effect::On => true,
             Effect::Off => false,
         };
-        let bounces = !needs.bounces.is_empty();
+        let reflective = !needs.reflective.is_empty();
         Self {
             shadows: gets(settings.shadows, !needs.shadows.is_empty()),
-            secondary: gets(settings.reflections, bounces) || gets(settings.refraction, bounces),
+            reflections: gets(settings.reflections, reflective) || gets(settings.refraction, reflective),
         }
     }
 
     /// Whether it has everything that `other` has.
     pub fn contains(self, other: Self) -> bool {
-        (self.shadows || !other.shadows) && (self.secondary || !other.secondary)
+        (self.shadows || !other.shadows) && (self.reflections || !other.reflections)
     }
 
     pub fn index(self) -> usize {
-        usize::from(self.shadows) + 2 * usize::from(self.secondary)
+        usize::from(self.shadows) + 2 * usize::from(self.reflections)
     }
 
     pub fn any(self) -> bool {
-        self.shadows || self.secondary
+        self.shadows || self.reflections
     }
 
     /// The code that [`LatticeSteps::new`](crate::gpu::uniforms::lattice::LatticeSteps::new) takes as `rays`.
     pub fn code(self) -> u32 {
-        u32::from(self.shadows) | u32::from(self.secondary) << 1
+        u32::from(self.shadows) | u32::from(self.reflections) << 1
     }
 }

@@ -82,13 +82,13 @@ pub enum Attribute {
     /// The texture existence of the surface that the pixel shows.
     Texture = 4,
     /// The object that the pixels reflect or refract.
-    SecondaryObject = 5,
+    ReflectedObject = 5,
     /// The normal of the surface that the pixels reflect or refract.
-    SecondaryNormal = 6,
+    ReflectedNormal = 6,
     /// The shadows on the surface that the pixels reflect or refract.
-    SecondaryShadow = 7,
+    ReflectedShadow = 7,
     /// The texture existence of the surface that the pixel reflects or refracts.
-    SecondaryTexture = 8,
+    ReflectedTexture = 8,
 }
 
 impl Attribute {
@@ -99,10 +99,10 @@ impl Attribute {
         Self::Normal,
         Self::Shadow,
         Self::Texture,
-        Self::SecondaryObject,
-        Self::SecondaryNormal,
-        Self::SecondaryShadow,
-        Self::SecondaryTexture,
+        Self::ReflectedObject,
+        Self::ReflectedNormal,
+        Self::ReflectedShadow,
+        Self::ReflectedTexture,
     ];
 }
 

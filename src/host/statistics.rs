@@ -87,13 +87,13 @@ counts! {
         /// The texture existence of the surface that the pixel shows.
         texture,
         /// The object that the pixels reflect or refract.
-        secondary_object,
+        reflected_object,
         /// The normal of the surface that the pixels reflect or refract.
-        secondary_normal,
+        reflected_normal,
         /// The shadows on the surface that the pixels reflect or refract.
-        secondary_shadow,
+        reflected_shadow,
         /// The texture existence of the surface that the pixel reflects or refracts.
-        secondary_texture,
+        reflected_texture,
     }
 }
 
@@ -146,7 +146,7 @@ pub struct Statistics {
     pub overflowed_tiles: u32,
     /// The number of shadow rays, modulo 2³².
     pub shadow_rays: u32,
-    /// The number of mirrored rays.
+    /// The number of reflected rays.
     pub reflection_rays: u32,
     /// The number of refracted rays.
     pub refraction_rays: u32,
@@ -158,7 +158,7 @@ pub struct Statistics {
     pub passes: Vec<PassTime>,
 }
 
-/// The tiles of a frame. A tile may be counted as both `surface` and `bounce`.
+/// The tiles of a frame. A tile may be counted as both `surface` and `reflect`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TileCounts {
@@ -167,7 +167,7 @@ pub struct TileCounts {
     /// The number of tiles with a surface, for which shadow rays are dispatched. 0 if the frame traces nothing.
     pub surface: u32,
     /// The number of tiles with a material that sends rays, for which mirrored and refracted rays are dispatched.
-    pub bounce: u32,
+    pub reflect: u32,
 }
 
 /// The GPU time of a pass.

@@ -95,7 +95,7 @@ pub(crate) static RAYS: PassData = PassData {
     gbuffer: false,
     bindings: &[
         Binding::read(3, "daa_shadows", Slot::Part(Part::Shadows)),
-        Binding::read(4, "daa_secondary", Slot::Part(Part::Secondary)),
+        Binding::read(4, "daa_reflections", Slot::Part(Part::Reflections)),
     ],
     stages: &[Stage::new("daa_view_rays", Grid::Target)],
     rounds: Rounds::Once,

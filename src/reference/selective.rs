@@ -28,7 +28,7 @@ pub struct Input<'a> {
     pub exposure: f32,
     /// The shadow bits of a pixel's first sample.
     pub shadow: &'a dyn Fn(u32, u32) -> u32,
-    /// The surface that a pixel's first sample reflects (kind 0) or refracts (1): `daa_secondary_hit`.
+    /// The surface that a pixel's first sample reflects (kind 0) or refracts (1): `daa_reflection_hit`.
     pub hit: &'a dyn Fn(u32, u32, u32) -> [u32; 3],
     /// Whether a material has a texture.
     pub textured: &'a dyn Fn(u32) -> bool,

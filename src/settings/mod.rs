@@ -44,9 +44,9 @@ pub struct Settings {
     pub weight: Weight,
     /// Whether shadow rays are traced towards the lights of [`Needs::shadows`](crate::Needs::shadows).
     pub shadows: Effect,
-    /// Whether mirrored rays are traced from the materials of [`Needs::bounces`](crate::Needs::bounces).
+    /// Whether reflected rays are traced from the materials of [`Needs::reflective`](crate::Needs::reflective).
     pub reflections: Effect,
-    /// Whether refracted rays are traced from the materials of [`Needs::bounces`](crate::Needs::bounces).
+    /// Whether refracted rays are traced from the materials of [`Needs::reflective`](crate::Needs::reflective).
     pub refraction: Effect,
     /// What is written to the target: the image or a debug view.
     pub view: DebugView,

@@ -30,7 +30,7 @@ pub struct Reconstructed {
     /// Keeps reflections and refractions out of the filter: every geometric sample has what it traced itself. The paper
     /// filters them by the geometry at their own hits. Off: they are filtered together with everything else, as in the
     /// original for deferred shading.
-    pub secondary_apart: bool,
+    pub reflections_apart: bool,
     /// Uses m geometric samples on a rotated grid at m = 4, 6 and 8: the paper's 4. Off: all n. Fewer samples: fewer
     /// rays, coarser edges.
     pub rotated_grid: bool,
@@ -63,7 +63,7 @@ impl Reconstructed {
         cut_identity: false,
         cut_shadow: true,
         own_first: false,
-        secondary_apart: true,
+        reflections_apart: true,
         rotated_grid: true,
         least_weight: 1e-3,
         contrast_scale: 0.0,
@@ -87,7 +87,7 @@ impl Default for Reconstructed {
             cut_identity: true,
             cut_shadow: true,
             own_first: true,
-            secondary_apart: true,
+            reflections_apart: true,
             rotated_grid: false,
             least_weight: 1.0,
             contrast_scale: 94.0,

@@ -3,7 +3,7 @@
 use crate::gpu::step::Step;
 use crate::gpu::uniforms::casting::CastSamples;
 use crate::host::needs::RayInputs;
-use crate::passes::rays::{bounce, classify, trace};
+use crate::passes::rays::{classify, reflect, trace};
 
 /// The step that lists the tiles in which rays are needed.
 pub(super) fn classified(inputs: RayInputs) -> Option<Step> {
@@ -12,14 +12,14 @@ pub(super) fn classified(inputs: RayInputs) -> Option<Step> {
 
 /// The steps that cast rays from these samples.
 pub(super) fn cast(inputs: RayInputs, samples: CastSamples) -> impl Iterator<Item = Step> {
-    let [trace, bounce] = match samples {
-        CastSamples::First => [&trace::FIRST, &bounce::FIRST],
-        CastSamples::Full => [&trace::FULL, &bounce::FULL],
-        CastSamples::Planned => [&trace::PLANNED, &bounce::PLANNED],
-        CastSamples::Audited => [&trace::AUDITED, &bounce::AUDITED],
-        CastSamples::Geometric => [&trace::GEOMETRIC, &bounce::GEOMETRIC],
-        CastSamples::Points(_) => [&trace::POINTS, &bounce::POINTS],
+    let [trace, reflect] = match samples {
+        CastSamples::First => [&trace::FIRST, &reflect::FIRST],
+        CastSamples::Full => [&trace::FULL, &reflect::FULL],
+        CastSamples::Planned => [&trace::PLANNED, &reflect::PLANNED],
+        CastSamples::Audited => [&trace::AUDITED, &reflect::AUDITED],
+        CastSamples::Geometric => [&trace::GEOMETRIC, &reflect::GEOMETRIC],
+        CastSamples::Points(_) => [&trace::POINTS, &reflect::POINTS],
     };
-    let wanted = [(inputs.shadows, trace), (inputs.secondary, bounce)];
+    let wanted = [(inputs.shadows, trace), (inputs.reflections, reflect)];
     wanted.into_iter().filter(|(is, _)| *is).map(move |(_, pass)| Step::cast(pass, samples))
 }

@@ -38,7 +38,7 @@ impl Method for Reconstructed {
         weights(settings, m, uniform);
         uniform.flag(flag::OWN_FIRST, r.own_first);
         uniform.flag(flag::TRACE_ALL, r.trace_all);
-        uniform.flag(flag::SECONDARY_APART, r.secondary_apart);
+        uniform.flag(flag::REFLECTIONS_APART, r.reflections_apart);
         uniform.footprint = r.footprint;
         if r.rotated_grid {
             uniform.set_order(m, &window::rotated(m));

@@ -40,7 +40,7 @@ impl Method for Selective {
         let thresholds = s.thresholds().map(|tau| tau.unwrap_or(OFF));
         uniform.selective = SelectiveUniform {
             primary: std::array::from_fn(|i| thresholds[1 + i]),
-            secondary: std::array::from_fn(|i| thresholds[5 + i]),
+            reflected: std::array::from_fn(|i| thresholds[5 + i]),
             color: thresholds[0],
             contrast_min: s.contrast_min,
             normal_cosine: s.normal_cosine,

@@ -11,8 +11,8 @@ pub(crate) const EVALUATE: &str = include_str!("../../shaders/shared/evaluate.wg
 pub(crate) const SHARED_EXPONENT: &str = include_str!("../../shaders/shared/shared_exponent.wgsl");
 pub(crate) const SHADOWS: &str = include_str!("../../shaders/swap/shadows.wgsl");
 pub(crate) const SHADOWS_NONE: &str = include_str!("../../shaders/swap/shadows_none.wgsl");
-pub(crate) const SECONDARY: &str = include_str!("../../shaders/swap/secondary.wgsl");
-pub(crate) const SECONDARY_NONE: &str = include_str!("../../shaders/swap/secondary_none.wgsl");
+pub(crate) const REFLECTIONS: &str = include_str!("../../shaders/swap/reflections.wgsl");
+pub(crate) const REFLECTIONS_NONE: &str = include_str!("../../shaders/swap/reflections_none.wgsl");
 pub(crate) const TABLE_NONE: &str = include_str!("../../shaders/swap/table_none.wgsl");
 pub(crate) const TABLE_ARRAYS: &str = include_str!("../../shaders/swap/table_arrays.wgsl");
 pub(crate) const TABLE_BINDINGS: &str = include_str!("../../shaders/swap/table_bindings.wgsl");
@@ -36,8 +36,8 @@ pub(crate) const ALL: [&str; 22] = [
     SHARED_EXPONENT,
     SHADOWS,
     SHADOWS_NONE,
-    SECONDARY,
-    SECONDARY_NONE,
+    REFLECTIONS,
+    REFLECTIONS_NONE,
     TABLE_NONE,
     TABLE_ARRAYS,
     TABLE_BINDINGS,

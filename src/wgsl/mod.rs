@@ -37,15 +37,15 @@ pub(crate) struct HostSource {
     sky: bool,
     /// Whether it has `solid`, for masked materials.
     pub solid: bool,
-    /// Whether it has `bounce`, for reflections and refractions.
-    pub bounces: bool,
+    /// Whether it has `reflection`, for reflections and refractions.
+    pub reflects: bool,
 }
 
 const SHADE: (&str, &str) = ("shade", "fn shade(s: DaaSample) -> vec4f");
 const MATERIAL: (&str, &str) = ("material", "fn material(s: DaaSample) -> DaaMaterial");
 const LIGHT: (&str, &str) = ("light", "fn light(f: DaaSurface, m: DaaMaterial) -> vec4f");
 const SKY: (&str, &str) = ("sky", "fn sky(s: DaaSample) -> vec4f");
-const BOUNCE: (&str, &str) = ("bounce", "fn bounce(s: DaaSample) -> DaaBounce");
+const REFLECTION: (&str, &str) = ("reflection", "fn reflection(s: DaaSample) -> DaaReflection");
 const SOLID: (&str, &str) = ("solid", "fn solid(material: u32, uv: vec2f) -> bool");
 
 /// A type of a hook's signature.
@@ -106,8 +106,8 @@ impl HostSource {
         }
         let split = joined.hook(file, &module)?;
         let sky = joined.signature(file, &module, SKY, &[Type::Struct("DaaSample")], Type::VEC4F)?;
-        let bounces =
-            joined.signature(file, &module, BOUNCE, &[Type::Struct("DaaSample")], Type::Struct("DaaBounce"))?;
+        let reflects =
+            joined.signature(file, &module, REFLECTION, &[Type::Struct("DaaSample")], Type::Struct("DaaReflection"))?;
         let solid = joined.signature(file, &module, SOLID, &[Type::U32, Type::VEC2F], Type::BOOL)?;
 
         let capabilities = wgpu_naga_bridge::features_to_naga_capabilities(features, wgpu::DownlevelFlags::all());
@@ -121,7 +121,7 @@ impl HostSource {
                 return Err(at(range, ShadingErrorKind::Derivative(what)));
             }
         }
-        Ok(Self { source: source.to_owned(), tier, split, sky, solid, bounces })
+        Ok(Self { source: source.to_owned(), tier, split, sky, solid, reflects })
     }
 
     /// The functions through which the crate calls the host's functions.

@@ -806,7 +806,7 @@ fn texts() {
     assert_snapshot!(RecordError::TargetFormat { target: Rgba8Unorm, node: Rgba16Float }, @"the target is Rgba8Unorm, the node writes Rgba16Float; build the node with Descriptor::target_format = Rgba8Unorm");
     assert_snapshot!(RecordError::TargetUsage, @"the target can't be rendered to; create it with TextureUsages::RENDER_ATTACHMENT");
     assert_snapshot!(RecordError::TargetSamples(4), @"the target has 4 samples a pixel, the node writes one; render into a texture with sample_count = 1");
-    assert_snapshot!(RecordError::Lent { part: Part::Secondary, lent: 1024, needed: 2048 }, @"Secondary was lent 1024 bytes, this frame needs 2048; lend at least that many bytes, or withdraw the loan");
+    assert_snapshot!(RecordError::Lent { part: Part::Reflections, lent: 1024, needed: 2048 }, @"Reflections was lent 1024 bytes, this frame needs 2048; lend at least that many bytes, or withdraw the loan");
     assert_snapshot!(RecordError::HostBindGroup, @"the host's WGSL was built with a bind group layout, the frame has no host_bind_group; set it");
     assert_snapshot!(RecordError::Textures, @"the node was built with a texture tier, the frame has no table; set Frame::textures, an empty table if there are none");
     let why = "the device binds 134217728".into();

@@ -54,7 +54,7 @@ fn counters(s: &Statistics) -> Vec<u64> {
     all.extend(words.chain(s.points.values()).map(u64::from));
     let rays = [s.shadow_rays, s.reflection_rays, s.refraction_rays];
     let samples = [s.not_finite, s.negative, s.overflowed_tiles];
-    let tiles = [s.tiles.all, s.tiles.surface, s.tiles.bounce];
+    let tiles = [s.tiles.all, s.tiles.surface, s.tiles.reflect];
     all.extend([rays, samples, tiles].as_flattened().iter().map(|&word| u64::from(word)));
     all.push(s.goal.map_or(0, |goal| goal.effort.to_bits().into()));
     all

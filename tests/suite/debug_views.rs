@@ -7,7 +7,7 @@ use deferred_aa::glam::{Mat4, Vec3, Vec4, vec3};
 use deferred_aa::reference::rays::classify::classify;
 use deferred_aa::{DebugView, Effect, MultiResolution, Settings, Technique, window};
 use deferred_aa_demo::host::{Host, Sent};
-use deferred_aa_demo::rays::{bouncing, casting_lights};
+use deferred_aa_demo::rays::{casting_lights, reflective};
 use deferred_aa_demo::scene::{Camera, Instance, LightKind, Material, Scene};
 use std::collections::BTreeSet;
 
@@ -99,7 +99,7 @@ fn garden() -> (Scene, Camera) {
 fn rays_are_shown_on_every_technique() {
     let (m, size) = (2, [61, 35]);
     let (scene, camera) = garden();
-    let sent = bouncing(&scene);
+    let sent = reflective(&scene);
     let lights = casting_lights(&scene, true).len();
     assert_eq!((lights, sent.len()), (5, 2));
     let mut host = host(scene, m, size);
@@ -113,12 +113,12 @@ fn rays_are_shown_on_every_technique() {
         let gbuffer = host.aa.gbuffer().unwrap();
         let surface: Vec<[u32; 2]> = pod_collect_to_vec(&host.gpu.read_texture(gbuffer.color[0].texture(), 8));
         let depths = host.depths();
-        let [surfaces, bounces] = classify(&depths, &surface, size, m, |material| sent.contains(&material));
+        let [surfaces, reflective] = classify(&depths, &surface, size, m, |material| sent.contains(&material));
         let by_points = settings.technique == Technique::MultiResolution && !settings.multi_resolution.supersampled;
         let mut seen = [0; 3];
         for (i, found) in (0..).zip(&image) {
             let tile = i / size[0] / 8 * size[0].div_ceil(8) + i % size[0] / 8;
-            let class = usize::from(surfaces.contains(&tile)) + usize::from(bounces.contains(&tile));
+            let class = usize::from(surfaces.contains(&tile)) + usize::from(reflective.contains(&tile));
             let expected = if by_points { [0.0; 3] } else { [[0.0; 3], [0.0, 0.0, 1.0], [1.0, 1.0, 0.0]][class] };
             assert!(near(*found, expected), "{settings:?}, pixel {i}: {found:?} {expected:?}");
             seen[class] += 1;

@@ -400,7 +400,7 @@ fn parts_that_may_share_memory_are_never_bound_together() {
         Part::LatticeColors,
         Part::Tiles,
         Part::Shadows,
-        Part::Secondary,
+        Part::Reflections,
     ];
     use wgpu::BufferUsages as Usage;
     let scene = builtin("mirrors").unwrap();

@@ -3,8 +3,6 @@
 
 mod api;
 mod bits;
-mod bounces;
-mod bounces_twin;
 mod checker;
 mod debug_views;
 mod example;
@@ -15,6 +13,8 @@ mod multi_resolution;
 mod needs;
 mod numerics;
 mod rays;
+mod reflections;
+mod reflections_twin;
 mod scenes;
 mod selective;
 mod shading_errors;

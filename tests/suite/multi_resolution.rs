@@ -172,9 +172,9 @@ fn every_point_is_the_twins() {
     }
 }
 
-fn codes(host: &Host, secondary: bool) -> Vec<u32> {
+fn codes(host: &Host, reflections: bool) -> Vec<u32> {
     let passed = host.aa.intermediates().expect("a size");
-    let buffer = if secondary { passed.secondary } else { passed.shadows };
+    let buffer = if reflections { passed.reflections } else { passed.shadows };
     buffer.map_or(Vec::new(), |buffer| pod_collect_to_vec(&host.gpu.read_buffer(buffer)))
 }
 
@@ -206,14 +206,14 @@ fn rays_are_cast_where_the_twin_says() {
             ] {
                 host.frame(&view, multi(settings)).unwrap();
                 let (words, _) = points(&host.aa, &host.gpu);
-                let (bits, secondary) = (codes(&host, false), codes(&host, true));
+                let (bits, reflections) = (codes(&host, false), codes(&host, true));
                 let beyond = |rays| {
                     steps(&settings, size, rays).iter().map(|s| s.points.size[0] * s.points.size[1]).sum::<u32>()
                 };
                 // What rays found lies behind all points.
                 let found = |index: usize| words[index + beyond(true) as usize];
                 let decoded = |index: usize| {
-                    let code = if secondary.is_empty() { 0 } else { found(index)[1] };
+                    let code = if reflections.is_empty() { 0 } else { found(index)[1] };
                     let [r, g, b] = shared_exponent::decode(code).to_array();
                     [r, g, b, f64::from(u8::from(code != 0))]
                 };
@@ -239,7 +239,7 @@ fn rays_are_cast_where_the_twin_says() {
                         if word & 1 != 0 {
                             cast += 1;
                             assert_eq!(found(index)[0], all_bits[at], "{context}");
-                            assert!(secondary.is_empty() || found(index)[1] == all_codes[at], "{context}");
+                            assert!(reflections.is_empty() || found(index)[1] == all_codes[at], "{context}");
                         }
                         let Some(expected) = input.refine(&step, place, &settings, &filter, &|i| words[i][0]) else {
                             continue;
@@ -264,7 +264,10 @@ fn rays_are_cast_where_the_twin_says() {
                 for place in each(&last).filter(|&place| input.is_inside(&last, place)) {
                     let (index, at) = (last.index(place), code_index(&host, input.sample(&last, place)));
                     assert_eq!(bits[at], found(index)[0], "{name} {settings:?} {place:?}");
-                    assert!(secondary.is_empty() || secondary[at] == found(index)[1], "{name} {settings:?} {place:?}");
+                    assert!(
+                        reflections.is_empty() || reflections[at] == found(index)[1],
+                        "{name} {settings:?} {place:?}"
+                    );
                 }
             }
         }
@@ -486,13 +489,13 @@ fn passes_are_those_of_the_lattices() {
         Settings { shadows: Effect::On, reflections: Effect::On, ..multi(undersampled(Pattern::Equilateral, 1)) };
     let rays = [
         "trace 1/2",
-        "bounce 1/2",
+        "reflect 1/2",
         "refine rays",
         "trace",
-        "bounce",
+        "reflect",
         "refine rays shifted",
         "trace shifted",
-        "bounce shifted",
+        "reflect shifted",
     ];
     assert_eq!(names(traced), [&rays[..], &shifted].concat());
 }

@@ -4,7 +4,7 @@ use crate::shadows::{full, host};
 use bytemuck::pod_collect_to_vec;
 use deferred_aa::reference::rays::classify::classify;
 use deferred_aa::{Effect, Needs, Settings, Technique};
-use deferred_aa_demo::rays::bouncing;
+use deferred_aa_demo::rays::reflective;
 use deferred_aa_demo::scene::builtin::{self, SQUARES, builtin};
 use std::time::{Duration, Instant};
 
@@ -13,13 +13,13 @@ use std::time::{Duration, Instant};
 fn tiles_are_the_twins() {
     for (name, m, size) in [("mirrors", 2, [93, 51]), ("shadows", 3, [40, 31]), ("cornell", 1, [17, 64])] {
         let scene = builtin(name).unwrap();
-        let (camera, sent) = (scene.default_camera(), bouncing(&scene));
+        let (camera, sent) = (scene.default_camera(), reflective(&scene));
         let mut host = host(scene, m, size);
         let tiles = host.frame(&camera, full()).unwrap().statistics.tiles;
         let gbuffer = host.aa.gbuffer().unwrap();
         let surface: Vec<[u32; 2]> = pod_collect_to_vec(&host.gpu.read_texture(gbuffer.color[0].texture(), 8));
         let expected = classify(&host.depths(), &surface, size, m, |material| sent.contains(&material));
-        assert_eq!([tiles.surface, tiles.bounce].map(|t| t as usize), [0, 1].map(|i| expected[i].len()), "{name}");
+        assert_eq!([tiles.surface, tiles.reflect].map(|t| t as usize), [0, 1].map(|i| expected[i].len()), "{name}");
         let words: Vec<u32> =
             pod_collect_to_vec(&host.gpu.read_buffer(host.aa.intermediates().unwrap().tile_lists.unwrap()));
         let all = size.map(|side| side.div_ceil(8)).iter().product::<u32>();
@@ -43,7 +43,7 @@ fn a_mirror_in_a_corner_is_its_own_tiles_matter() {
         let mut host = host(scene, 2, [64, 64]);
         let statistics = host.frame(&camera, full()).unwrap().statistics;
         assert_eq!(statistics.reflection_rays, mirrors * 64 * 4);
-        seen.push((statistics.tiles.all, statistics.tiles.bounce));
+        seen.push((statistics.tiles.all, statistics.tiles.reflect));
     }
     // Where nothing casts or mirrors, nothing is classified either.
     assert_eq!(seen, [(64, 0), (64, 1), (64, 5), (64, 64)]);

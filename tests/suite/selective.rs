@@ -280,18 +280,18 @@ fn plans_with_rays_are_the_twins() {
         let n = (m * m) as usize;
         let places = window::centred(m);
         assert_eq!(places, window::order(m), "bits of `Full` are compared rank by rank");
-        let read = |host: &deferred_aa_demo::host::Host, secondary: bool| -> Option<Vec<u32>> {
+        let read = |host: &deferred_aa_demo::host::Host, reflections: bool| -> Option<Vec<u32>> {
             let passed = host.aa.intermediates().unwrap();
-            let buffer = if secondary { passed.secondary } else { passed.shadows };
+            let buffer = if reflections { passed.reflections } else { passed.shadows };
             buffer.map(|buffer| pod_collect_to_vec(&host.gpu.read_buffer(buffer)))
         };
         host.frame(&camera, full()).unwrap();
-        let of_full = [false, true].map(|secondary| read(&host, secondary));
+        let of_full = [false, true].map(|reflections| read(&host, reflections));
         let mut seen = [0; 9];
         for s in [Selective::default(), Selective { tau_col: 0.9, ..Selective::PAPER }] {
             let settings = selective(s);
             let statistics = host.frame(&camera, settings).unwrap().statistics;
-            let [bits, codes] = [false, true].map(|secondary| read(&host, secondary));
+            let [bits, codes] = [false, true].map(|reflections| read(&host, reflections));
             let passed = host.aa.intermediates().unwrap();
             let slots = passed.slots.count();
             let plan: Vec<u32> = pod_collect_to_vec(&host.gpu.read_buffer(passed.plan));

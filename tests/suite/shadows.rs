@@ -439,7 +439,7 @@ fn frames_that_cannot_be_traced_are_refused() {
     assert_snapshot!(refused(software, Needs { shadows: &[sun[0], nowhere], rays: Some(&here), ..Default::default() }), @"light 1 of Needs::shadows is not finite, or has no direction");
     let flat = CastingLight::Directional { towards: Vec3::ZERO };
     assert_snapshot!(refused(software, Needs { shadows: &[flat], rays: Some(&here), ..Default::default() }), @"light 0 of Needs::shadows is not finite, or has no direction");
-    let mirrors = Needs { bounces: &[3], rays: Some(&here), ..Default::default() };
-    assert_snapshot!(refused(software, mirrors), @"the frame has materials that reflect or refract, but the host's WGSL has no `fn bounce(s: DaaSample) -> DaaBounce`; write it, or leave Needs::bounces empty");
+    let mirrors = Needs { reflective: &[3], rays: Some(&here), ..Default::default() };
+    assert_snapshot!(refused(software, mirrors), @"the frame has materials that reflect or refract, but the host's WGSL has no `fn reflection(s: DaaSample) -> DaaReflection`; write it, or leave Needs::reflective empty");
     assert_eq!(gpu.take_errors(), Vec::<String>::new());
 }

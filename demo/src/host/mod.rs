@@ -63,7 +63,7 @@ pub struct Host {
     /// The options that it was built with.
     pub options: Options,
     /// Materials that reflect or refract.
-    bouncing: Vec<u32>,
+    reflective: Vec<u32>,
     /// Materials with a texture.
     textured: Vec<u32>,
     /// Importance of objects, for `Settings::selective.focused`.
@@ -230,7 +230,7 @@ impl Host {
         let sun = scene.sun;
         let mut host = Self {
             aa,
-            bouncing: rays::bouncing(&scene),
+            reflective: rays::reflective(&scene),
             textured: textured(&scene),
             importance: Vec::new(),
             scene,
@@ -300,10 +300,10 @@ impl Host {
         self.lighting_values.camera = camera.world_from_view.w_axis.truncate().to_array();
         self.write_lighting();
         let shadows = self.casting(settings.shadows);
-        let secondary = [settings.reflections, settings.refraction];
-        let bounces =
-            secondary.contains(&Effect::On) || (!self.bouncing.is_empty() && secondary.contains(&Effect::Auto));
-        let traces = settings.shadows == Effect::On || !shadows.is_empty() || bounces;
+        let reflections = [settings.reflections, settings.refraction];
+        let reflective =
+            reflections.contains(&Effect::On) || (!self.reflective.is_empty() && reflections.contains(&Effect::Auto));
+        let traces = settings.shadows == Effect::On || !shadows.is_empty() || reflective;
         if traces {
             let rays = match &mut self.rays {
                 Some(rays) => rays,
@@ -319,7 +319,7 @@ impl Host {
             needs: Needs {
                 rays,
                 shadows: &shadows,
-                bounces: &self.bouncing,
+                reflective: &self.reflective,
                 textured: &self.textured,
                 importance: &self.importance,
             },
@@ -341,13 +341,13 @@ impl Host {
     /// Whether the pipelines of a frame with these settings are compiled.
     pub fn is_ready(&self, settings: Settings) -> bool {
         let shadows = self.casting(settings.shadows);
-        self.aa.is_ready(&settings, &Needs { shadows: &shadows, bounces: &self.bouncing, ..Default::default() })
+        self.aa.is_ready(&settings, &Needs { shadows: &shadows, reflective: &self.reflective, ..Default::default() })
     }
 
     /// The passes of a frame with these settings.
     pub fn passes(&self, settings: &Settings) -> Vec<Pass> {
         let shadows = self.casting(settings.shadows);
-        let needs = Needs { shadows: &shadows, bounces: &self.bouncing, ..Default::default() };
+        let needs = Needs { shadows: &shadows, reflective: &self.reflective, ..Default::default() };
         DeferredAa::passes(settings, &needs).collect()
     }
 
@@ -468,7 +468,7 @@ impl Host {
         let read = |buffer: Option<&wgpu::Buffer>, is: bool| -> Vec<u32> {
             buffer.filter(|_| is).map_or(Vec::new(), |b| bytemuck::pod_collect_to_vec(&self.gpu.read_buffer(b)))
         };
-        let (shadows, secondary) = (read(passed.shadows, traced[0]), read(passed.secondary, traced[1]));
+        let (shadows, reflections) = (read(passed.shadows, traced[0]), read(passed.reflections, traced[1]));
         let n = self.options.m * self.options.m;
         let (width, height) = (self.options.width, self.options.height);
         let mut sent = Vec::with_capacity((width * height * n) as usize);
@@ -476,7 +476,7 @@ impl Host {
             sent.extend((0..n).map(|rank| {
                 // The counts of rays lie behind all samples, those of secondary rays behind six words of hits as well.
                 let shadow = shadows.get(passed.slots.sample(x, y, n + rank)).copied().unwrap_or(0);
-                let others = secondary.get(passed.slots.sample(x, y, n + 6 + rank)).copied().unwrap_or(0);
+                let others = reflections.get(passed.slots.sample(x, y, n + 6 + rank)).copied().unwrap_or(0);
                 Sent { shadow: shadow as u8, mirrored: others as u8, refracted: (others >> 16) as u8 }
             }));
         }

@@ -135,7 +135,7 @@ const MIRROR_ROUGHNESS: f32 = 0.2;
 
 /// The materials that reflect as a mirror or let light through. Those whose metal is painted by a texture are left out: their
 /// roughness is not known here.
-pub fn bouncing(scene: &Scene) -> Vec<u32> {
+pub fn reflective(scene: &Scene) -> Vec<u32> {
     let sends = |m: &scene::Material| {
         let mirror = m.metallic >= 0.5 && m.metallic_roughness_texture.is_none();
         !m.unlit && m.roughness <= MIRROR_ROUGHNESS && (mirror || m.transmission > 0.0)

@@ -100,9 +100,9 @@ fn mirrored_share(m: DaaMaterial, n_dot_v: f32) -> vec3f {
     return f0 + (1.0 - f0) * pow(1.0 - clamp(n_dot_v, 0.0, 1.0), 5.0);
 }
 
-fn bounce(s: DaaSample) -> DaaBounce {
+fn reflection(s: DaaSample) -> DaaReflection {
     let m = material(s);
-    var b: DaaBounce;
+    var b: DaaReflection;
     b.normal = m.normal * inverseSqrt(max(dot(m.normal, m.normal), 1e-12));
     b.ior = m.user0.z;
     let smooth_enough = m.roughness <= MIRROR_ROUGHNESS && (m.metallic >= 0.5 || m.user0.y > 0.0);
@@ -208,5 +208,5 @@ fn light(f: DaaSurface, m: DaaMaterial) -> vec4f {
     if f.traced == 0u && m.user0.y > 0.0 {
         through = sky_radiance(-f.view) * (1.0 - mirrored_share(m, b.n_dot_v)) * (m.user0.y * (1.0 - m.metallic)) * m.base_color.rgb;
     }
-    return vec4f(direct + ambient + m.emissive + f.secondary + through, 1.0);
+    return vec4f(direct + ambient + m.emissive + f.reflected + through, 1.0);
 }

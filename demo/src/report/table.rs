@@ -79,7 +79,7 @@ fn effects_table(effects: &Effects) -> String {
         text += &format!(
             "{:>2} of 64 squares mirror: {} of {} tiles, {} rays, {} ms, {} of none\n",
             row.mirrors,
-            tiles.bounce,
+            tiles.reflect,
             tiles.all,
             row.frames.rays,
             ms(&row.frames),

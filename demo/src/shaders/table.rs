@@ -121,8 +121,8 @@ impl Table {
         }
         let pass = |(info, indices): &(Option<PassInfo>, Vec<usize>)| {
             let shader = |&index: &usize| {
-                let grid = info.and_then(|info| grid(&info, &resolved[index].shader.entry));
-                entry(request, &resolved[index], entries[index].clone(), slots, grid)
+                let workgroups = info.and_then(|info| workgroups(&info, &resolved[index].shader.entry, request.m));
+                entry(request, &resolved[index], entries[index].clone(), slots, workgroups)
             };
             Pass {
                 name: info.map_or("pack", |info| info.name),
@@ -209,7 +209,7 @@ impl Table {
     }
 }
 
-fn entry(request: &Request<'_>, one: &Resolved<'_>, entry: String, slots: &Slots, grid: Option<Grid>) -> Entry {
+fn entry(request: &Request<'_>, one: &Resolved<'_>, entry: String, slots: &Slots, workgroups: Option<String>) -> Entry {
     let module = &one.module;
     let binding = |(_, variable): (_, &naga::GlobalVariable)| {
         let at = variable.binding?;
@@ -232,14 +232,16 @@ fn entry(request: &Request<'_>, one: &Resolved<'_>, entry: String, slots: &Slots
         entry,
         stage: format!("{:?}", one.shader.stage).to_lowercase(),
         workgroup_size: module.entry_points.first().map_or([0; 3], |e| e.workgroup_size),
-        workgroups: grid.filter(|&grid| grid != Grid::Target).map(|grid| grid.to_string()).unwrap_or_default(),
+        workgroups: workgroups.unwrap_or_default(),
         bindings,
     }
 }
 
-/// How many workgroups an entry point of a pass gets.
-fn grid(info: &PassInfo, entry: &str) -> Option<Grid> {
-    info.stages.iter().find(|stage| stage.entry == entry).map(|stage| stage.grid)
+/// How many workgroups an entry point of a pass gets: for any output, and for one of 1920 × 1080 pixels. `None` if it draws.
+fn workgroups(info: &PassInfo, entry: &str, m: u32) -> Option<String> {
+    let grid = info.stages.iter().find(|stage| stage.entry == entry)?.grid;
+    let at_1080p = info.workgroups(grid, [1920, 1080], m).map(|[x, y, _]| format!(" ({x} × {y} at 1920 × 1080)"));
+    (grid != Grid::Target).then(|| format!("{grid}{}", at_1080p.unwrap_or_default()))
 }
 
 /// A type as WGSL has it.

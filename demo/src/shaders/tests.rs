@@ -195,15 +195,13 @@ fn the_variants_are_those_of_the_frame() {
         let files = export(&demo(Lang::Msl, settings, TextureTier::Arrays, RayTier::Software)).unwrap().files;
         String::from_utf8(files.into_iter().find(|(file, _)| file == name).unwrap().1).unwrap()
     };
-    let bounces = Settings { shadows: Effect::On, reflections: Effect::On, ..Settings::default() };
-    assert!(exported(&bounces, "daa_classify_main.metal").contains("DAA_BOUNCES = true"));
-    let shadows = Settings { shadows: Effect::On, ..Settings::default() };
-    assert!(exported(&shadows, "daa_classify_main.metal").contains("DAA_BOUNCES = false"));
+    let reflective = Settings { shadows: Effect::On, reflections: Effect::On, ..Settings::default() };
+    assert!(exported(&Settings::default(), "daa_resolve_by_plan.metal").contains("DAA_TARGET_MAX = 65504.0"));
     // A workgroup's memory is cleared but in what shades, which writes all that it reads of it.
     let tiled = Settings { execution: Execution::Tiled, ..Settings::default() };
     let shades = exported(&tiled, "daa_shade_tiled.metal");
     assert!(shades.contains("daa_sums") && !shades.contains("daa_sums = {}"));
-    assert!(exported(&bounces, "daa_list_scan.metal").contains("daa_parts = {}"));
+    assert!(exported(&reflective, "daa_list_scan.metal").contains("daa_parts = {}"));
 }
 
 #[test]

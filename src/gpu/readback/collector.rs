@@ -189,7 +189,7 @@ fn read(bytes: &[u8], recorded: &Recorded, nanoseconds_per_tick: Option<f64>) ->
         shadow_rays: counters.shadow_rays,
         reflection_rays: counters.reflection_rays,
         refraction_rays: counters.refraction_rays,
-        tiles: TileCounts { all: x * y, surface: counters.tiles[0], bounce: counters.tiles[1] },
+        tiles: TileCounts { all: x * y, surface: counters.tiles[0], reflect: counters.tiles[1] },
         goal: None,
         passes: passes.map(|(i, &(name, kind))| PassTime { name, kind, milliseconds: milliseconds(i) }).collect(),
     }

@@ -1,4 +1,4 @@
-//! The constants of `trace` and `bounce`: the samples that cast rays, and the lights.
+//! The constants of `trace` and `reflect`: the samples that cast rays, and the lights.
 
 use crate::gpu::uniforms::lattice::{LatticeStep, LatticeUse, Level, StepUniform};
 use crate::host::error::RecordError;

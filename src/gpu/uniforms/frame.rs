@@ -51,7 +51,7 @@ pub(crate) struct ReconstructUniform {
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 pub(crate) struct SelectiveUniform {
     pub primary: [f32; 4],
-    pub secondary: [f32; 4],
+    pub reflected: [f32; 4],
     pub color: f32,
     pub contrast_min: f32,
     pub normal_cosine: f32,
@@ -110,7 +110,7 @@ pub(crate) mod flag {
     pub const TRACE_ALL: u32 = 4096;
     pub const REFLECTIONS: u32 = 8192;
     pub const REFRACTIONS: u32 = 16384;
-    pub const SECONDARY_APART: u32 = 32768;
+    pub const REFLECTIONS_APART: u32 = 32768;
     pub const SELECTIVE: u32 = 1 << 16;
     pub const SHADOW_LIGHTS: u32 = 1 << 17;
     pub const BILINEAR: u32 = 1 << 18;
@@ -121,7 +121,7 @@ pub(crate) mod flag {
     pub const WEIGHTED: u32 = 1 << 23;
     pub const SUPERSAMPLED: u32 = 1 << 24;
     pub const LATTICE: u32 = 1 << 25;
-    pub const BOUNCES: u32 = 1 << 26;
+    pub const REFLECTS: u32 = 1 << 26;
 }
 
 impl FrameUniform {
@@ -157,7 +157,7 @@ impl FrameUniform {
         uniform.flag(flag::WEIGHT_LUMINANCE, frame.settings.weight == Weight::Luminance);
         uniform.flag(flag::REFLECTIONS, frame.settings.reflections != Effect::Off);
         uniform.flag(flag::REFRACTIONS, frame.settings.refraction != Effect::Off);
-        uniform.flag(flag::BOUNCES, inputs.secondary);
+        uniform.flag(flag::REFLECTS, inputs.reflections);
         uniform.set_order(m, &window::order(m));
         Ok(uniform)
     }

@@ -55,7 +55,7 @@ pub(crate) static RAYS: PassData = PassData {
         Binding::read(0, "daa_step", Slot::Step),
         Binding::update(1, "daa_points", Slot::Part(Part::LatticePoints)),
         Binding::update(2, "daa_shadows", Slot::Part(Part::Shadows)),
-        Binding::update(3, "daa_secondary", Slot::Part(Part::Secondary)),
+        Binding::update(3, "daa_reflections", Slot::Part(Part::Reflections)),
     ],
     stages: &[Stage::new("daa_refine_judge", Grid::Parents), Stage::new("daa_refine_main", Grid::Cells)],
     rounds: Rounds::Once,

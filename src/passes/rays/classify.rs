@@ -14,7 +14,7 @@ pub(crate) static CLASSIFY: PassData = PassData {
     gbuffer: true,
     bindings: &[
         Binding::write(0, "daa_tile_lists", Slot::Part(Part::Tiles)),
-        Binding::read(1, "daa_bouncing", Slot::Bouncing),
+        Binding::read(1, "daa_reflective", Slot::Reflective),
         Binding::write(2, "daa_statistics", Slot::Part(Part::Counters)),
     ],
     stages: &[Stage::new("daa_classify_main", Grid::Tiles), Stage::new("daa_classify_finish", Grid::One)],

@@ -1,7 +1,7 @@
 //! The passes that cast rays.
 
-pub(crate) mod bounce;
 pub(crate) mod classify;
+pub(crate) mod reflect;
 pub(crate) mod trace;
 
 use crate::gpu::binding::{Binding, Slot};
@@ -9,7 +9,7 @@ use crate::gpu::sizes::TILE_CLASSES_BYTES;
 use crate::host::graph::{Grid, Part, Stage};
 use crate::passes::lattice::points::BLOCK;
 
-/// The bindings that `trace` and `bounce` share. `found` is the part for their results with its name. `plan`, `tiles`
+/// The bindings that `trace` and `reflect` share. `found` is the part for their results with its name. `plan`, `tiles`
 /// and `points` say whether the samples follow from these. `earlier` says whether the pass reads the results of earlier
 /// rays.
 pub(crate) struct Cast {

@@ -18,9 +18,9 @@ pub fn classify(
     for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
         let at = (y * width + x) as usize;
         if depth[at] > 1e-30 {
-            let [with_surface, bounces] = &mut found[(y / m / TILE * tiles_x + x / m / TILE) as usize];
+            let [with_surface, reflective] = &mut found[(y / m / TILE * tiles_x + x / m / TILE) as usize];
             *with_surface = true;
-            *bounces |= sends_rays(surface[at][1] & 0xffff);
+            *reflective |= sends_rays(surface[at][1] & 0xffff);
         }
     }
     [0, 1].map(|class| (0..).zip(&found).filter(|(_, of)| of[class]).map(|(tile, _)| tile).collect())

@@ -30,7 +30,7 @@ pub fn effects(session: &Session) -> Result<Effects, ReportError> {
 
 fn rows(session: &Session, base: Base) -> Result<Vec<EffectRow>, ReportError> {
     let scene = &session.scene;
-    let sent = rays::bouncing(scene);
+    let sent = rays::reflective(scene);
     let called_for = [
         !rays::casting_lights(scene, scene.sun.is_some_and(|s| s.casts)).is_empty(),
         !sent.is_empty(),

@@ -98,5 +98,5 @@ pub struct Adapter {
 
 /// Whether a frame casts rays towards lights, and whether it casts others.
 pub fn casts(shot: &Shot) -> [bool; 2] {
-    [PassKind::Trace, PassKind::Bounce].map(|kind| shot.statistics.passes.iter().any(|pass| pass.kind == kind))
+    [PassKind::Trace, PassKind::Reflect].map(|kind| shot.statistics.passes.iter().any(|pass| pass.kind == kind))
 }

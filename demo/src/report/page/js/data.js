@@ -7,8 +7,8 @@ const IDENTICAL_DB = 199.99;
 const CLOSE = 1.1; // as accurate as Full: an error at most this much greater
 const GRID_GOOD = 0.01; // 40 dB: good enough where there is no truth
 const EQUAL_TIME = 1.05;
-const PASS_ORDER = ["gbuffer", "classify", "trace first", "bounce first", "refine rays", "refine", "points", "lattice_to_pixels", "first",
-  "metrics", "plan", "select", "list", "trace", "bounce", "shade", "quadrants", "reconstruct", "resolve", "fxaa", "smaa"];
+const PASS_ORDER = ["gbuffer", "classify", "trace first", "reflect first", "refine rays", "refine", "points", "lattice_to_pixels", "first",
+  "metrics", "plan", "select", "list", "trace", "reflect", "shade", "quadrants", "reconstruct", "resolve", "fxaa", "smaa"];
 const KINDS = { windowed: "Windowed", selective: "Selective", multiresolution: "MultiResolution",
   reconstructed: "Reconstructed", full: "Full", single: "Single", fxaa: "FXAA", smaa: "SMAA", other: "other" };
 const MEASURES = {

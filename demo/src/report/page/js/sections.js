@@ -124,7 +124,7 @@ function drawEffects(host, { report }) {
   ], effects.tiers));
   host.append(table("A made wall of 64 squares, some of them mirrors", [
     { name: "Mirrors", text: (r) => plain(r.mirrors) },
-    { name: "Tiles with rays", text: (r) => `${plain(r.frames.tiles.bounce)} of ${plain(r.frames.tiles.all)}` },
+    { name: "Tiles with rays", text: (r) => `${plain(r.frames.tiles.reflect)} of ${plain(r.frames.tiles.all)}` },
     { name: "Rays", text: (r) => plain(r.frames.rays) },
     { name: "Frame, ms", text: (r) => time(r.frames), title: (r) => spread(r.frames) },
     { name: "Over none", text: (r) => ratioText(r.relative) },

@@ -1,18 +1,18 @@
-// bounce: traces one mirrored and one refracted ray from samples whose material sends rays, and shades their hits with
+// reflect: traces one mirrored and one refracted ray from samples whose material sends rays, and shades their hits with
 // the host's own code (the secondary rays of subpixel reconstruction for ray tracing, WSCG 2012, section 3). CPU twin:
-// src/reference/rays/bounce.rs.
+// src/reference/rays/reflect.rs.
 
 /// The reflected and refracted radiance of all samples, rank by rank, as codes of shared_exponent.wgsl. The hits of
 /// first samples follow for `Selective`. If the rays of each sample are recorded, their counts follow both: mirrored
 /// rays + refracted rays · 2¹⁶.
-@group(3) @binding(5) var<storage, read_write> daa_secondary: array<u32>;
+@group(3) @binding(5) var<storage, read_write> daa_reflections: array<u32>;
 /// A bit for each material: whether it sends rays.
-@group(3) @binding(9) var<storage, read> daa_bouncing: array<u32>;
+@group(3) @binding(9) var<storage, read> daa_reflective: array<u32>;
 
 /// The most surfaces of its own object that a refracted ray passes.
 const DAA_MAX_PASSAGES: u32 = 4u;
 
-/// The surface that the last ray hit, as `daa_secondary_hit` returns it.
+/// The surface that the last ray hit, as `daa_reflection_hit` returns it.
 var<private> daa_last_hit: vec3u;
 
 /// The cone of a ray. Its angle is that of a sample, and its width grows with distance (Akenine-Möller et al. 2019,
@@ -149,7 +149,7 @@ var<workgroup> daa_group_rays: array<vec2u, 64>;
 /// Whether the material of a sample sends rays.
 fn daa_sends_rays(pixel: vec2u, rank: u32) -> bool {
     let material = textureLoad(daa_gbuffer_surface, pixel * DAA_M + daa_order(rank), 0).y & 0xffffu;
-    return (daa_bouncing[material >> 5u] & (1u << (material & 31u))) != 0u;
+    return (daa_reflective[material >> 5u] & (1u << (material & 31u))) != 0u;
 }
 
 /// A point that sends no rays has no radiance.
@@ -162,8 +162,8 @@ fn daa_wants(point: DaaPoint) -> bool {
 }
 
 @compute @workgroup_size(64)
-fn daa_bounce_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
-    let ranks = daa_ranks(group.xy, lane, DAA_TILES_BOUNCE);
+fn daa_reflect_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
+    let ranks = daa_ranks(group.xy, lane, DAA_TILES_REFLECT);
     var rays = vec2u(0u);
     let keeps_hits = daa_flag(DAA_FLAG_SELECTIVE) && daa_casting.samples == DAA_SAMPLES_FIRST;
     for (var i = ranks.first; i < ranks.end; i++) {
@@ -178,7 +178,7 @@ fn daa_bounce_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocatio
         if s.depth == 0.0 {
             continue;
         }
-        let b = daa_call_bounce(s);
+        let b = daa_call_reflection(s);
         let cone = daa_cone(pixel, rank, s);
         let offset = daa_ray_offset(s.relative_position);
         var sum = vec3f(0.0);
@@ -209,20 +209,20 @@ fn daa_bounce_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocatio
             sum += weight * daa_arriving(pixel, rank, origin, normalize(direction), kind == 1u, b.ior, s.object, cone);
             rays += select(vec2u(1u, 0u), vec2u(0u, 1u), kind == 1u);
             if daa_casting.keeps != 0u && caster.inside {
-                daa_secondary[daa_sample_index(pixel, DAA_M * DAA_M + 6u + rank)] += 1u << (kind * 16u);
+                daa_reflections[daa_sample_index(pixel, DAA_M * DAA_M + 6u + rank)] += 1u << (kind * 16u);
             }
             traced = true;
             if keeps_hits {
                 let word = DAA_M * DAA_M + kind * 3u;
-                daa_secondary[daa_sample_index(pixel, word)] = daa_last_hit.x;
-                daa_secondary[daa_sample_index(pixel, word + 1u)] = daa_last_hit.y;
-                daa_secondary[daa_sample_index(pixel, word + 2u)] = daa_last_hit.z;
+                daa_reflections[daa_sample_index(pixel, word)] = daa_last_hit.x;
+                daa_reflections[daa_sample_index(pixel, word + 1u)] = daa_last_hit.y;
+                daa_reflections[daa_sample_index(pixel, word + 2u)] = daa_last_hit.z;
             }
         }
         if traced {
             let code = daa_radiance_encode(daa_clean(vec4f(sum, 1.0)).color.rgb);
             if caster.inside {
-                daa_secondary[at] = code;
+                daa_reflections[at] = code;
             }
             if daa_casting.samples == DAA_SAMPLES_POINTS {
                 daa_points[caster.found].y = code;

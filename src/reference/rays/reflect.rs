@@ -1,4 +1,4 @@
-//! Twin of `shaders/rays/bounce.wgsl`: the radiance that a sample reflects and refracts, with every triangle of the
+//! Twin of `shaders/rays/reflect.wgsl`: the radiance that a sample reflects and refracts, with every triangle of the
 //! scene tested.
 
 use super::trace::{self, MARGIN};
@@ -18,12 +18,12 @@ pub struct Input<'a> {
     pub m: u32,
     /// The attributes of each triangle of `trace`, see [`place`].
     pub attributes: &'a [Attributes],
-    /// The materials that send rays: [`Needs::bounces`](crate::Needs::bounces).
-    pub bounces: &'a [u32],
-    /// Whether mirrored rays and whether refracted rays are traced.
+    /// The materials that send rays: [`Needs::reflective`](crate::Needs::reflective).
+    pub reflective: &'a [u32],
+    /// Whether reflected rays and whether refracted rays are traced.
     pub kinds: [bool; 2],
-    /// The host's function `bounce`.
-    pub bounce: &'a dyn Fn(&Sample) -> Bounce,
+    /// The host's function `reflection`.
+    pub reflect: &'a dyn Fn(&Sample) -> Reflect,
     /// The host's function `shade`.
     pub shade: &'a dyn Fn(&Sample) -> [f64; 4],
     /// The host's function `sky`.
@@ -83,10 +83,10 @@ pub struct Sample {
     pub rank: u32,
 }
 
-/// `DaaBounce`.
+/// `DaaReflection`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Bounce {
-    /// Weight of the radiance along the mirrored ray; 0: no ray is traced.
+pub struct Reflect {
+    /// Weight of the radiance along the reflected ray; 0: no ray is traced.
     pub reflection: DVec3,
     /// Index of refraction inside over outside.
     pub ior: f64,
@@ -98,7 +98,7 @@ pub struct Bounce {
 
 /// The result of the pass for a sample, and whether rounding could have changed it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Secondary {
+pub struct Reflections {
     /// The weighted radiance.
     pub radiance: DVec3,
     /// The number of mirrored and of refracted rays. Without any, the encoded radiance is 0.
@@ -120,13 +120,13 @@ struct Cone {
 
 impl Input<'_> {
     /// The result for the sample at the G-buffer coordinates x, y, which has this rank.
-    pub fn secondary(&self, x: u32, y: u32, rank: u32) -> Secondary {
-        let mut out = Secondary { radiance: DVec3::ZERO, rays: [0; 2], sure: true };
+    pub fn reflections(&self, x: u32, y: u32, rank: u32) -> Reflections {
+        let mut out = Reflections { radiance: DVec3::ZERO, rays: [0; 2], sure: true };
         let s = self.fetch(x, y, rank);
-        if s.depth == 0.0 || !self.bounces.contains(&s.material) {
+        if s.depth == 0.0 || !self.reflective.contains(&s.material) {
             return out;
         }
-        let b = (self.bounce)(&s);
+        let b = (self.reflect)(&s);
         let cone = self.cone(x, y, &s);
         let offset = self.trace.ray_offset(s.relative_position);
         for (kind, weight) in [b.reflection, b.refraction].into_iter().enumerate() {

@@ -36,7 +36,7 @@ fn glass(ior: f32) -> Material {
     Material { base_color: Vec4::ONE, roughness: 0.0, transmission: 1.0, ior, volume: true, ..plain }
 }
 
-/// A perfect mirror shows the lamp where the mirrored ray meets it, in its own colour, and the sky elsewhere.
+/// A perfect mirror shows the lamp where the reflected ray meets it, in its own colour, and the sky elsewhere.
 #[test]
 fn a_mirror_shows_what_the_law_of_reflection_says() {
     let (width, height) = (48, 36);
@@ -115,14 +115,14 @@ fn glass_refracts_as_its_index_says() {
 
 /// Switched off, left to itself where nothing sends rays, and by each technique.
 #[test]
-fn bounces_are_traced_where_materials_send_them() {
+fn reflections_are_traced_where_materials_send_them() {
     let camera = looking(vec3(0.0, 1.5, 5.0), Vec3::ZERO, 0.1);
     let mut plain = host(under_a_lamp(lamp(Vec3::ONE)), 2, [32, 24]);
     let none = plain.frame(&camera, Settings::default()).unwrap().statistics;
     let image = plain.picture();
-    assert!(none.passes.iter().all(|p| !p.name.contains("bounce")) && plain.aa.memory().rays == 0);
+    assert!(none.passes.iter().all(|p| !p.name.contains("reflect")) && plain.aa.memory().rays == 0);
     let forced = plain.frame(&camera, Settings { reflections: Effect::On, ..Default::default() }).unwrap().statistics;
-    assert_eq!(forced.passes.iter().filter(|p| p.name.starts_with("bounce")).count(), 2);
+    assert_eq!(forced.passes.iter().filter(|p| p.name.starts_with("reflect")).count(), 2);
     assert_eq!((forced.reflection_rays, &plain.picture().rgba), (0, &image.rgba));
 
     let mut mirror = host(under_a_lamp(metal()), 4, [32, 24]);
@@ -140,7 +140,7 @@ fn bounces_are_traced_where_materials_send_them() {
     let off = mirror.frame(&camera, Settings { reflections: Effect::Off, refraction: Effect::Off, ..full() }).unwrap();
     assert_eq!((off.statistics.reflection_rays, off.statistics.passes.len()), (0, 2));
     let codes: Vec<u32> =
-        pod_collect_to_vec(&mirror.gpu.read_buffer(mirror.aa.intermediates().unwrap().secondary.unwrap()));
+        pod_collect_to_vec(&mirror.gpu.read_buffer(mirror.aa.intermediates().unwrap().reflections.unwrap()));
     assert!(codes.iter().any(|&c| c != 0));
 }
 
@@ -153,13 +153,13 @@ fn reflections_are_reconstructed_apart() {
     host.frame(&camera, full()).unwrap();
     let reference = host.picture();
     let passed = host.aa.intermediates().unwrap();
-    let codes: Vec<u32> = pod_collect_to_vec(&host.gpu.read_buffer(passed.secondary.unwrap()));
+    let codes: Vec<u32> = pod_collect_to_vec(&host.gpu.read_buffer(passed.reflections.unwrap()));
     let pixels: Vec<_> = (0..72).flat_map(|y| (0..128).map(move |x| (x, y))).collect();
     let traced = |&(x, y): &(u32, u32)| (0..16).any(|rank| codes[passed.slots.sample(x, y, rank)] != 0);
     let mask: Vec<bool> = pixels.iter().map(traced).collect();
     assert!(mask.iter().filter(|&&m| m).count() > 2000);
-    let mut on_mirrors = |secondary_apart| {
-        let reconstructed = Reconstructed { secondary_apart, ..Default::default() };
+    let mut on_mirrors = |reflections_apart| {
+        let reconstructed = Reconstructed { reflections_apart, ..Default::default() };
         let settings = Settings { technique: Technique::Reconstructed, reconstructed, ..Default::default() };
         host.frame(&camera, settings).unwrap();
         edge_psnr(&host.picture(), &reference, &mask).unwrap().unwrap()

@@ -1,4 +1,4 @@
-//! bounce: traces mirrored and refracted rays from samples whose material sends rays.
+//! reflect: traces mirrored and refracted rays from samples whose material sends rays.
 
 use super::{Cast, over_audited, over_points, over_tiles};
 use crate::gpu::binding::{Binding, PassData, Slot, by_level};
@@ -6,81 +6,81 @@ use crate::gpu::modules::{Base, Module};
 use crate::host::graph::{Part, PassKind, Rounds};
 
 static MODULE: Module = Module {
-    name: "bounce",
+    name: "reflect",
     base: Base::Casting { shades: true },
-    chunks: &[include_str!("../../../shaders/rays/bounce.wgsl")],
+    chunks: &[include_str!("../../../shaders/rays/reflect.wgsl")],
 };
 
 /// The bindings of a pass that casts rays, and the materials that send rays.
 const fn bindings(cast: Cast) -> [Binding; 10] {
     let [a, b, c, d, e, f, g, h, i] = cast.bindings();
-    [a, b, c, d, e, f, g, h, i, Binding::read(9, "daa_bouncing", Slot::Bouncing)]
+    [a, b, c, d, e, f, g, h, i, Binding::read(9, "daa_reflective", Slot::Reflective)]
 }
 
-const FOUND: (&str, Part) = ("daa_secondary", Part::Secondary);
+const FOUND: (&str, Part) = ("daa_reflections", Part::Reflections);
 
 /// The first samples.
 pub(crate) static FIRST: PassData = PassData {
-    names: &["bounce first"],
-    kind: PassKind::Bounce,
+    names: &["reflect first"],
+    kind: PassKind::Reflect,
     module: &MODULE,
     gbuffer: true,
     bindings: &bindings(Cast { found: FOUND, plan: false, tiles: true, points: false, earlier: false }),
-    stages: &[over_tiles("daa_bounce_main", 1)],
+    stages: &[over_tiles("daa_reflect_main", 1)],
     rounds: Rounds::Once,
 };
 
 /// Every sample, for `Full`.
 pub(crate) static FULL: PassData = PassData {
-    names: &["bounce"],
-    kind: PassKind::Bounce,
+    names: &["reflect"],
+    kind: PassKind::Reflect,
     module: &MODULE,
     gbuffer: true,
     bindings: &bindings(Cast { found: FOUND, plan: false, tiles: true, points: false, earlier: false }),
-    stages: &[over_tiles("daa_bounce_main", 1)],
+    stages: &[over_tiles("daa_reflect_main", 1)],
     rounds: Rounds::Once,
 };
 
 /// The samples that the plan has beyond the first.
 pub(crate) static PLANNED: PassData = PassData {
-    names: &["bounce"],
-    kind: PassKind::Bounce,
+    names: &["reflect"],
+    kind: PassKind::Reflect,
     module: &MODULE,
     gbuffer: true,
     bindings: &bindings(Cast { found: FOUND, plan: true, tiles: true, points: false, earlier: false }),
-    stages: &[over_tiles("daa_bounce_main", 1)],
+    stages: &[over_tiles("daa_reflect_main", 1)],
     rounds: Rounds::Once,
 };
 
 /// The samples of audited tiles that were not planned.
 pub(crate) static AUDITED: PassData = PassData {
-    names: &["bounce audited"],
-    kind: PassKind::Bounce,
+    names: &["reflect audited"],
+    kind: PassKind::Reflect,
     module: &MODULE,
     gbuffer: true,
     bindings: &bindings(Cast { found: FOUND, plan: true, tiles: false, points: false, earlier: false }),
-    stages: &[over_audited("daa_bounce_main")],
+    stages: &[over_audited("daa_reflect_main")],
     rounds: Rounds::Once,
 };
 
 /// The geometric samples beyond the first, for `Reconstructed`.
 pub(crate) static GEOMETRIC: PassData = PassData {
-    names: &["bounce"],
-    kind: PassKind::Bounce,
+    names: &["reflect"],
+    kind: PassKind::Reflect,
     module: &MODULE,
     gbuffer: true,
     bindings: &bindings(Cast { found: FOUND, plan: false, tiles: true, points: false, earlier: true }),
-    stages: &[over_tiles("daa_bounce_main", 1)],
+    stages: &[over_tiles("daa_reflect_main", 1)],
     rounds: Rounds::Once,
 };
 
 /// The chosen points of a lattice.
 pub(crate) static POINTS: PassData = PassData {
-    names: by_level!("bounce"),
-    kind: PassKind::Bounce,
+    names: by_level!("reflect"),
+    kind: PassKind::Reflect,
     module: &MODULE,
     gbuffer: true,
     bindings: &bindings(Cast { found: FOUND, plan: false, tiles: false, points: true, earlier: false }),
-    stages: &[over_points("daa_bounce_main")],
+    stages: &[over_points("daa_reflect_main")],
     rounds: Rounds::Once,
 };

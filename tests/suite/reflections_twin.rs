@@ -4,7 +4,7 @@ use crate::shadows::{looking, tiers};
 use bytemuck::pod_collect_to_vec;
 use deferred_aa::glam::{DAffine3, DVec3, Mat4, Vec2, Vec3, Vec4, vec3};
 use deferred_aa::rays::{Attributes, RayTier};
-use deferred_aa::reference::rays::bounce::{Bounce, Input, Sample, Secondary, place};
+use deferred_aa::reference::rays::reflect::{Input, Reflect, Reflections, Sample, place};
 use deferred_aa::reference::rays::{self as twin, shared_exponent, trace};
 use deferred_aa::{
     CastingLight, DeferredAa, Descriptor, Frame, Needs, Settings, Shading, Technique, TextureTier, wgpu, window,
@@ -38,8 +38,8 @@ fn shade(s: DaaSample) -> vec4f {
     return vec4f(c, 1.0);
 }
 fn sky(s: DaaSample) -> vec4f { return vec4f(0.5 - 0.5 * s.view, 1.0); }
-fn bounce(s: DaaSample) -> DaaBounce {
-    var b: DaaBounce;
+fn reflection(s: DaaSample) -> DaaReflection {
+    var b: DaaReflection;
     b.normal = s.normal;
     b.ior = 1.5;
     switch s.material {
@@ -79,20 +79,20 @@ fn sky(s: &Sample) -> [f64; 4] {
     (0.5 - 0.5 * s.view).extend(1.0).to_array()
 }
 
-fn bounce(s: &Sample) -> Bounce {
-    let none = Bounce { reflection: DVec3::ZERO, refraction: DVec3::ZERO, ior: 1.5, normal: s.normal };
+fn reflection(s: &Sample) -> Reflect {
+    let none = Reflect { reflection: DVec3::ZERO, refraction: DVec3::ZERO, ior: 1.5, normal: s.normal };
     match s.material as usize {
-        MIRROR => Bounce { reflection: DVec3::ONE, ..none },
+        MIRROR => Reflect { reflection: DVec3::ONE, ..none },
         BUMPED => {
             let tilt = (s.uv * 8.0).fract_gl() - 0.5;
             let tangent = s.tangent.truncate();
             let bitangent = s.normal.cross(tangent) * s.tangent.w;
             let normal = (tangent * tilt.x + bitangent * tilt.y + s.normal * 1.5).normalize();
-            Bounce { reflection: DVec3::new(1.0, s.uv.y, s.ddx.length()), normal, ..none }
+            Reflect { reflection: DVec3::new(1.0, s.uv.y, s.ddx.length()), normal, ..none }
         }
         GLASS => {
             let (reflection, refraction) = (DVec3::new(0.25, 0.125, 0.5), DVec3::new(0.75, 0.875, 0.5));
-            Bounce { reflection, refraction, ..none }
+            Reflect { reflection, refraction, ..none }
         }
         _ => none,
     }
@@ -199,7 +199,7 @@ fn lights() -> [CastingLight; 3] {
 const M: u32 = 2;
 const SIZE: [u32; 2] = [44, 33];
 
-const BOUNCES: [u32; 3] = [MIRROR as u32, BUMPED as u32, GLASS as u32];
+const REFLECTIVE: [u32; 3] = [MIRROR as u32, BUMPED as u32, GLASS as u32];
 
 /// The G-buffer of a frame.
 #[derive(Clone, PartialEq)]
@@ -258,7 +258,7 @@ impl Node {
         let frame = Frame {
             settings: Settings { technique: Technique::Full, ..Default::default() },
             textures: Some(&uploaded.table),
-            needs: Needs { rays: Some(&rays.scene), shadows: &lights(), bounces: &BOUNCES, ..Default::default() },
+            needs: Needs { rays: Some(&rays.scene), shadows: &lights(), reflective: &REFLECTIVE, ..Default::default() },
             statistics: true,
             ..Frame::new(camera, &self.target)
         };
@@ -268,7 +268,7 @@ impl Node {
         let statistics = aa.statistics().expect("statistics");
         let rays = [statistics.reflection_rays, statistics.refraction_rays];
         let passed = aa.intermediates().unwrap();
-        let by_rank: Vec<u32> = pod_collect_to_vec(&gpu.read_buffer(passed.secondary.unwrap()));
+        let by_rank: Vec<u32> = pod_collect_to_vec(&gpu.read_buffer(passed.reflections.unwrap()));
         let code = |(x, y, rank)| by_rank[passed.slots.sample(x / M, y / M, rank)];
         let codes = samples().map(code).collect();
         let gbuffer = aa.gbuffer().unwrap();
@@ -296,7 +296,7 @@ fn samples() -> impl Iterator<Item = (u32, u32, u32)> {
 }
 
 /// What the twin makes of all samples of that G-buffer.
-fn expected(scene: &Scene, seen: &Seen) -> Vec<Secondary> {
+fn expected(scene: &Scene, seen: &Seen) -> Vec<Reflections> {
     let eye = seen.camera.world_from_view.w_axis.truncate().as_dvec3();
     let (mut triangles, mut objects, mut attributes) = (Vec::new(), Vec::new(), Vec::new());
     for i in &scene.instances {
@@ -331,13 +331,13 @@ fn expected(scene: &Scene, seen: &Seen) -> Vec<Secondary> {
         uv: &seen.uv,
         m: M,
         attributes: &attributes,
-        bounces: &BOUNCES,
+        reflective: &REFLECTIVE,
         kinds: [true, true],
-        bounce: &bounce,
+        reflect: &reflection,
         shade: &shade,
         sky: &sky,
     };
-    samples().map(|(x, y, rank)| input.secondary(x, y, rank)).collect()
+    samples().map(|(x, y, rank)| input.reflections(x, y, rank)).collect()
 }
 
 fn views() -> Vec<(&'static str, Scene, Camera)> {
@@ -384,7 +384,7 @@ fn views() -> Vec<(&'static str, Scene, Camera)> {
 fn what_rays_bring_back_is_the_twins_on_each_tier() {
     let mut nodes: Vec<Node> = tiers().into_iter().map(Node::new).collect();
     for (name, scene, camera) in views() {
-        let mut first: Option<(Seen, Vec<Secondary>)> = None;
+        let mut first: Option<(Seen, Vec<Reflections>)> = None;
         for node in &mut nodes {
             let (seen, codes, counted) = node.render(&scene, &camera);
             let (as_seen, all) = first.get_or_insert_with(|| {
