@@ -38,7 +38,7 @@ impl Memory {
 
 /// The parts, besides the G-buffer, that are created with the size. The others are created when a frame first needs
 /// them.
-const FIXED: [Part; 5] = [Part::First, Part::Color, Part::Counts, Part::Plan, Part::Counters];
+const FIXED: [Part; 5] = [Part::First, Part::Color, Part::WindowCounts, Part::Plan, Part::Counters];
 
 /// A stage of a pass, by the addresses of both declarations.
 type StageKey = (usize, usize);

@@ -104,7 +104,7 @@ impl Shape {
             Part::GBufferFrame => gbuffer(COLOR_FORMATS[1]),
             Part::GBufferUv => gbuffer(COLOR_FORMATS[2]),
             Part::First | Part::Color => texture(IMAGE_FORMAT, size, wgpu::TextureUsages::STORAGE_BINDING | SAMPLED),
-            Part::Counts | Part::Plan => buffer(plan_bytes(size), none),
+            Part::WindowCounts | Part::Plan => buffer(plan_bytes(size), none),
             Part::PixelListRows => buffer(tiles * rows * 4, none),
             // Each row is padded to whole workgroups.
             Part::PixelListEntries => buffer((w * h + 63 * rows) * 4, none),

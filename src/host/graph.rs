@@ -20,7 +20,7 @@ pub enum Resource {
     /// The ray results: the shadow bits of samples, and the radiance that they reflect and refract.
     Traced,
     /// The k of each window, as the metrics computed it.
-    Counts,
+    WindowCounts,
     /// The k of each window and its position in the tile's list.
     Plan,
     /// The frame's pixels, sorted by k, or its samples, as one list.
@@ -43,7 +43,7 @@ impl Resource {
         Self::Rays,
         Self::Tiles,
         Self::Traced,
-        Self::Counts,
+        Self::WindowCounts,
         Self::Plan,
         Self::List,
         Self::Lattice,
@@ -103,8 +103,8 @@ pub enum Part {
     First,
     /// The texture of [`Resource::Color`].
     Color,
-    /// The buffer of [`Resource::Counts`].
-    Counts,
+    /// The buffer of [`Resource::WindowCounts`].
+    WindowCounts,
     /// The buffer of [`Resource::Plan`].
     Plan,
     /// The offsets of each tile's entries in the list of pixels ([`Resource::List`]).
@@ -208,7 +208,7 @@ impl Part {
         Self::GBufferUv,
         Self::First,
         Self::Color,
-        Self::Counts,
+        Self::WindowCounts,
         Self::Plan,
         Self::PixelListRows,
         Self::PixelListEntries,
@@ -236,7 +236,7 @@ impl Part {
             Self::GBufferDepth | Self::GBufferSurface | Self::GBufferFrame | Self::GBufferUv => Resource::GBuffer,
             Self::First => Resource::First,
             Self::Color => Resource::Color,
-            Self::Counts => Resource::Counts,
+            Self::WindowCounts => Resource::WindowCounts,
             Self::Plan => Resource::Plan,
             Self::PixelListRows
             | Self::PixelListEntries

@@ -18,7 +18,7 @@ pub(crate) static AUDIT: PassData = PassData {
         Binding::read(2, "daa_plan", Slot::Part(Part::Plan)),
         Binding::write(3, "daa_statistics", Slot::AuditedCounters),
         Binding::write(4, "daa_audits", Slot::Audits),
-        Binding::read(5, "daa_counts", Slot::Part(Part::Counts)),
+        Binding::read(5, "daa_counts", Slot::Part(Part::WindowCounts)),
     ],
     stages: &[Stage::new("daa_audit_main", Grid::AuditedTiles)],
     rounds: Rounds::Once,

@@ -12,7 +12,7 @@ pub(crate) static MAX_FILTER: PassData = PassData {
     kind: PassKind::MaxFilter,
     module: &MODULE,
     gbuffer: false,
-    bindings: &[Binding::update(0, "daa_counts", Slot::Part(Part::Counts))],
+    bindings: &[Binding::update(0, "daa_counts", Slot::Part(Part::WindowCounts))],
     stages: &[
         // 8 blocks of 6 pixels along either side.
         Stage::new("daa_max_filter_main", Grid::Pixels(48)),

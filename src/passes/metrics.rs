@@ -14,7 +14,7 @@ pub(crate) static METRICS: PassData = PassData {
     gbuffer: true,
     bindings: &[
         Binding::read(0, "daa_first", Slot::Part(Part::First)),
-        Binding::write(1, "daa_counts", Slot::Part(Part::Counts)),
+        Binding::write(1, "daa_counts", Slot::Part(Part::WindowCounts)),
     ],
     stages: &[Stage::new("daa_metrics_main", Grid::Tiles)],
     rounds: Rounds::Once,

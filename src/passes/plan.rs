@@ -13,7 +13,7 @@ pub(crate) static PLAN: PassData = PassData {
     module: &MODULE,
     gbuffer: false,
     bindings: &[
-        Binding::read(0, "daa_counts", Slot::Part(Part::Counts)),
+        Binding::read(0, "daa_counts", Slot::Part(Part::WindowCounts)),
         Binding::write(1, "daa_plan", Slot::Part(Part::Plan)),
         Binding::write(2, "daa_statistics", Slot::Part(Part::Counters)),
     ],

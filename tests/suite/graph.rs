@@ -387,7 +387,7 @@ fn a_graph_that_errs_makes_another_image() {
 #[test]
 fn parts_that_may_share_memory_are_never_bound_together() {
     const BUFFERS: [Part; 14] = [
-        Part::Counts,
+        Part::WindowCounts,
         Part::Plan,
         Part::PixelListRows,
         Part::PixelListEntries,

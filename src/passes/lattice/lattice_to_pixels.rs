@@ -23,7 +23,7 @@ const fn bindings(counted: bool) -> [Binding; 6] {
         Binding::update(1, "daa_points", Slot::Part(Part::LatticePoints)).only_read(),
         Binding::update(2, "daa_lattice_colors", Slot::Part(Part::LatticeColors)).only_read(),
         Binding::write(3, "daa_first", Slot::Part(Part::First)),
-        Binding::write(4, "daa_counts", Slot::Part(Part::Counts)).if_used(counted),
+        Binding::write(4, "daa_counts", Slot::Part(Part::WindowCounts)).if_used(counted),
         Binding::write(5, "daa_plan", Slot::Part(Part::Plan)).if_used(!counted),
     ]
 }
