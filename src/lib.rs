@@ -85,11 +85,8 @@ pub use host::table::{
 };
 pub use node::DeferredAa;
 pub use passes::shader_texts;
-pub use settings::{
-    ColorReference, DebugView, DepthMeasure, Effect, Enabled, Execution, Goal, Lattice, LuminanceCurve,
-    MultiResolution, Pattern, Preset, Reconstructed, Selective, SettingRange, SettingScale, Settings, SettingsError,
-    Technique, Weight, Windowed,
-};
+pub use settings::*;
+pub use techniques::{sample_order, shaded_places};
 pub use {glam, wgpu};
 
 /// The index of the host's bind group: its WGSL binds at `@group(2)`.

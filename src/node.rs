@@ -369,6 +369,7 @@ impl DeferredAa {
         let effort = effort.map(|effort| Effort { effort, step });
         let audited = Audited { step: effort.map_or(0.0, |e| e.step), ..Audited::of(self.frame + 1, size) };
         let mut uniform = FrameUniform::new(frame, size, m, audited)?;
+        uniform.set_order(m, &technique.order(settings, m));
         technique.uniform(settings, m, effort, &mut uniform);
         let inputs = RayInputs::of(settings, &frame.needs);
         let casting = self.casting(frame, inputs, uniform.camera_position.into())?;

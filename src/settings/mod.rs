@@ -20,6 +20,19 @@ pub use selective::{ColorReference, Enabled, Selective};
 pub use view::DebugView;
 pub use windowed::{DepthMeasure, Preset, Windowed};
 
+/// The library's Rust source of all settings, for tools that show their documentation.
+pub const SETTINGS_SOURCE: &[&str] = &[
+    include_str!("mod.rs"),
+    include_str!("curve.rs"),
+    include_str!("execution.rs"),
+    include_str!("goal.rs"),
+    include_str!("multi_resolution.rs"),
+    include_str!("reconstructed.rs"),
+    include_str!("selective.rs"),
+    include_str!("view.rs"),
+    include_str!("windowed.rs"),
+];
+
 /// Everything that can change between two frames without rebuilding the node.
 ///
 /// A pixel's *window* is its m × m samples, n = m² in all; k is how many of them are shaded. Every numeric setting has

@@ -7,6 +7,7 @@ use crate::gpu::step::Steps;
 use crate::gpu::uniforms::casting::CastSamples;
 use crate::gpu::uniforms::frame::{FrameUniform, flag};
 use crate::host::needs::RayInputs;
+use crate::host::plan::PlanWord;
 use crate::host::statistics::Counters;
 use crate::passes::{first, resolve, shade};
 use crate::settings::{DebugView, Settings};
@@ -26,6 +27,10 @@ impl Method for Full {
             .then_if(settings.view == DebugView::First, &first::FIRST)
             .then(&shade::FULL)
             .then(image_or_view(settings, &shown))
+    }
+
+    fn shaded(&self, _: &Settings, m: u32, _: PlanWord) -> Option<Vec<usize>> {
+        Some((0..(m * m) as usize).collect())
     }
 
     fn count(&self, _: &Counters, of: Windows) -> Counted {

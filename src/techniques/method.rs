@@ -5,8 +5,10 @@ use crate::gpu::uniforms::frame::FrameUniform;
 use crate::gpu::uniforms::lattice::LatticeSteps;
 use crate::host::error::RecordError;
 use crate::host::needs::{Needs, RayInputs};
+use crate::host::plan::PlanWord;
 use crate::host::statistics::{Counters, DecidedCounts};
 use crate::settings::{Execution, Settings};
+use crate::window;
 
 /// The effort of a frame with a goal, and the step below it at which its audit also measures the error; both log2.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -66,6 +68,16 @@ pub(crate) trait Method: Sync {
 
     /// Interprets the counters.
     fn count(&self, counters: &Counters, of: Windows) -> Counted;
+
+    /// The places of a window's samples in the order in which they are shaded: `order[rank] = (x, y)`.
+    fn order(&self, _settings: &Settings, m: u32) -> Vec<(u8, u8)> {
+        window::order(m)
+    }
+
+    /// The ranks of a window that are shaded, from its word of the plan. `None` if the plan has only their number.
+    fn shaded(&self, _settings: &Settings, _m: u32, word: PlanWord) -> Option<Vec<usize>> {
+        Some((0..word.k() as usize).collect())
+    }
 
     /// The execution of its planned samples, `None` if it ignores the setting.
     fn execution(&self, _settings: &Settings) -> Option<Execution> {

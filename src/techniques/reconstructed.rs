@@ -8,6 +8,7 @@ use crate::gpu::step::Steps;
 use crate::gpu::uniforms::casting::CastSamples;
 use crate::gpu::uniforms::frame::{FrameUniform, ReconstructUniform, flag};
 use crate::host::needs::RayInputs;
+use crate::host::plan::PlanWord;
 use crate::host::statistics::Counters;
 use crate::passes::{first, reconstruct, resolve};
 use crate::settings::Settings;
@@ -40,9 +41,6 @@ impl Method for Reconstructed {
         uniform.flag(flag::TRACE_ALL, r.trace_all);
         uniform.flag(flag::REFLECTIONS_APART, r.reflections_apart);
         uniform.footprint = r.footprint;
-        if r.rotated_grid {
-            uniform.set_order(m, &window::rotated(m));
-        }
     }
 
     fn steps(&self, settings: &Settings, inputs: RayInputs) -> Steps {
@@ -54,6 +52,14 @@ impl Method for Reconstructed {
             .then_all(rays::cast(inputs, CastSamples::Geometric))
             .then(&reconstruct::RECONSTRUCT)
             .then(image_or_view(settings, &shown))
+    }
+
+    fn order(&self, settings: &Settings, m: u32) -> Vec<(u8, u8)> {
+        if settings.reconstructed.rotated_grid { window::rotated(m) } else { window::order(m) }
+    }
+
+    fn shaded(&self, _: &Settings, _: u32, _: PlanWord) -> Option<Vec<usize>> {
+        None
     }
 
     fn count(&self, counters: &Counters, of: Windows) -> Counted {

@@ -11,6 +11,7 @@ use crate::gpu::uniforms::casting::CastSamples;
 use crate::gpu::uniforms::frame::{FrameUniform, SelectiveUniform, flag};
 use crate::host::error::RecordError;
 use crate::host::needs::{Needs, RayInputs};
+use crate::host::plan::PlanWord;
 use crate::host::statistics::Counters;
 use crate::passes::{first, list, quadrants, resolve, select};
 use crate::settings::{ColorReference, LuminanceCurve, Settings};
@@ -46,7 +47,6 @@ impl Method for Selective {
             normal_cosine: s.normal_cosine,
             samples: window::quadrant_samples(m),
         };
-        uniform.set_order(m, &window::centred(m));
     }
 
     fn steps(&self, settings: &Settings, inputs: RayInputs) -> Steps {
@@ -64,6 +64,16 @@ impl Method for Selective {
             .then(&list::PIXELS)
             .then(shade)
             .then(image_or_view(settings, &Shown { image, planned: true, classified: inputs.any(), inputs }))
+    }
+
+    fn order(&self, _: &Settings, m: u32) -> Vec<(u8, u8)> {
+        window::centred(m)
+    }
+
+    fn shaded(&self, settings: &Settings, m: u32, word: PlanWord) -> Option<Vec<usize>> {
+        let chosen =
+            |&(rank, (x, y)): &(usize, (u8, u8))| rank == 0 || window::quadrants(m, x, y) & word.quadrants() != 0;
+        Some(self.order(settings, m).into_iter().enumerate().filter(chosen).map(|(rank, _)| rank).collect())
     }
 
     fn count(&self, counters: &Counters, of: Windows) -> Counted {

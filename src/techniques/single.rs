@@ -7,6 +7,7 @@ use crate::gpu::step::Steps;
 use crate::gpu::uniforms::casting::CastSamples;
 use crate::gpu::uniforms::frame::FrameUniform;
 use crate::host::needs::RayInputs;
+use crate::host::plan::PlanWord;
 use crate::host::statistics::Counters;
 use crate::passes::{first, resolve};
 use crate::settings::Settings;
@@ -23,6 +24,10 @@ impl Method for Single {
             .then_all(rays::cast(inputs, CastSamples::First))
             .then(&first::FIRST)
             .then(image_or_view(settings, &shown))
+    }
+
+    fn shaded(&self, _: &Settings, _: u32, _: PlanWord) -> Option<Vec<usize>> {
+        Some(vec![0])
     }
 
     fn count(&self, _: &Counters, of: Windows) -> Counted {

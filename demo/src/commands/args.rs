@@ -199,19 +199,12 @@ pub fn parse_preset(text: &str) -> Result<Preset, String> {
 }
 
 pub fn parse_technique(text: &str) -> Result<Technique, String> {
-    match text {
-        "full" => Ok(Technique::Full),
-        "single" => Ok(Technique::Single),
-        "windowed" => Ok(Technique::Windowed),
-        "reconstructed" => Ok(Technique::Reconstructed),
-        "selective" => Ok(Technique::Selective),
-        "multiresolution" => Ok(Technique::MultiResolution),
-        _ => {
-            let meant =
-                did_you_mean(text, &["full", "single", "windowed", "reconstructed", "selective", "multiresolution"]);
-            Err(format!(
-                "no technique '{text}':{meant} choose full, single, windowed, reconstructed, selective or multiresolution"
-            ))
-        }
+    let names = Technique::ALL.map(|technique| format!("{technique:?}").to_lowercase());
+    if let Some(at) = names.iter().position(|name| name == text) {
+        return Ok(Technique::ALL[at]);
     }
+    let names = names.each_ref().map(String::as_str);
+    let meant = did_you_mean(text, &names);
+    let [all_but_last @ .., last] = &names;
+    Err(format!("no technique '{text}':{meant} choose {} or {last}", all_but_last.join(", ")))
 }

@@ -2,23 +2,10 @@
 //!
 //! The tests hold that every setting has a control and that every control takes what the library takes.
 
-use deferred_aa::{SettingRange, Settings};
+use deferred_aa::{SETTINGS_SOURCE, SettingRange, Settings, Technique};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
-
-/// The library's files that declare settings.
-const SOURCES: [&str; 9] = [
-    include_str!("../../../src/settings/mod.rs"),
-    include_str!("../../../src/settings/curve.rs"),
-    include_str!("../../../src/settings/execution.rs"),
-    include_str!("../../../src/settings/goal.rs"),
-    include_str!("../../../src/settings/multi_resolution.rs"),
-    include_str!("../../../src/settings/reconstructed.rs"),
-    include_str!("../../../src/settings/selective.rs"),
-    include_str!("../../../src/settings/view.rs"),
-    include_str!("../../../src/settings/windowed.rs"),
-];
 
 /// The control of one setting.
 #[derive(Debug, Clone)]
@@ -65,7 +52,16 @@ pub fn all() -> &'static [Control] {
 
 fn source() -> &'static Source {
     static READ: OnceLock<Source> = OnceLock::new();
-    READ.get_or_init(|| Source::read(&SOURCES))
+    READ.get_or_init(|| Source::read(SETTINGS_SOURCE))
+}
+
+/// The techniques that have settings of their own, and the paths of these.
+pub fn groups() -> impl Iterator<Item = (&'static str, Technique)> {
+    let fields = source().structs.get("Settings").into_iter().flatten();
+    fields.filter_map(|(field, ty, _)| {
+        let of = Technique::ALL.into_iter().find(|technique| format!("{technique:?}") == *ty)?;
+        Some((field.as_str(), of))
+    })
 }
 
 /// The struct at this path, such as `Lattice` at `multi_resolution.rays`.

@@ -5,7 +5,7 @@ use super::input::fly;
 use super::renderer::{Rendered, casts};
 use super::state::Side;
 use crate::host::Sent;
-use deferred_aa::{PlanWord, Settings, Technique, window};
+use deferred_aa::{PlanWord, Settings};
 use egui::{
     Align2, Color32, CursorIcon, FontId, Galley, Painter, PointerButton, Pos2, Rect, Response, Sense, Stroke,
     TextureId, Ui, pos2, vec2,
@@ -225,38 +225,14 @@ pub enum Shaded {
 
 /// The samples of a pixel whose word of the plan this is.
 pub fn shaded(settings: &Settings, m: u32, word: PlanWord) -> Shaded {
-    let index = |&(x, y): &(u8, u8)| (u32::from(y) * m + u32::from(x)) as usize;
+    let Some(shaded) = deferred_aa::shaded_places(settings, m, word) else { return Shaded::Count(word.k().max(1)) };
     let mut places = vec![false; (m * m) as usize];
-    let k = word.k();
-    match settings.technique {
-        Technique::Full => places.fill(true),
-        Technique::Single => places[index(&window::order(m)[0])] = true,
-        Technique::Selective => {
-            let chosen = word.quadrants();
-            for (rank, place) in window::centred(m).iter().enumerate() {
-                places[index(place)] = rank == 0 || window::quadrants(m, place.0, place.1) & chosen != 0;
-            }
-        }
-        // Of interpolated windows k is 0.
-        Technique::Windowed | Technique::MultiResolution => {
-            window::order(m).iter().take(k as usize).for_each(|place| places[index(place)] = true);
-        }
-        Technique::Reconstructed => return Shaded::Count(k.max(1)),
-    }
+    shaded.into_iter().for_each(|(x, y)| places[(u32::from(y) * m + u32::from(x)) as usize] = true);
     Shaded::Places(places)
 }
 
 /// Of shadow rays alone, and of others too.
 const SENDS: [Color32; 2] = [Color32::from_rgb(40, 90, 220), Color32::from_rgb(220, 40, 160)];
-
-/// Where in the window the samples of all ranks are.
-fn places(settings: &Settings, m: u32) -> Vec<(u8, u8)> {
-    match settings.technique {
-        Technique::Reconstructed if settings.reconstructed.rotated_grid => window::rotated(m),
-        Technique::Selective => window::centred(m),
-        _ => window::order(m),
-    }
-}
 
 /// The rays of the pixel's samples, in words; none if its frame traces nothing.
 fn rays(rendered: &Rendered, own: Option<&[Sent]>) -> Option<String> {
@@ -315,7 +291,9 @@ fn samples(painter: &Painter, clip: Rect, side: &Side, rendered: &Rendered, pixe
         let color = if on { Color32::from_rgb(255, 190, 60) } else { Color32::from_gray(60) };
         painter.rect_filled(Rect::from_min_size(min, vec2(cell - 1.0, cell - 1.0)), 0.0, color);
     }
-    for (sent, (x, y)) in sent.into_iter().flatten().zip(places(&rendered.settings, m)).filter(|(s, _)| casting(s)) {
+    for (sent, (x, y)) in
+        sent.into_iter().flatten().zip(deferred_aa::sample_order(&rendered.settings, m)).filter(|(s, _)| casting(s))
+    {
         let centre = corner + vec2(f32::from(x) + 0.5, f32::from(y) + 0.5) * cell - vec2(0.5, 0.5);
         painter.circle(
             centre,
@@ -330,6 +308,7 @@ fn samples(painter: &Painter, clip: Rect, side: &Side, rendered: &Rendered, pixe
 #[cfg(test)]
 mod tests {
     use super::*;
+    use deferred_aa::Technique;
 
     #[test]
     fn the_board_shows_what_was_shaded() {

@@ -53,15 +53,10 @@ impl App {
             self.group(ui, "", "Technique");
             self.presets(ui);
             let technique = self.sides[self.edited].settings.technique;
-            for (path, title, of) in [
-                ("windowed", "Windowed", Technique::Windowed),
-                ("reconstructed", "Reconstructed", Technique::Reconstructed),
-                ("selective", "Selective", Technique::Selective),
-                ("multi_resolution", "MultiResolution", Technique::MultiResolution),
-            ] {
+            for (path, of) in controls::groups() {
                 let open = technique == of;
                 // Another id where it is open by itself, so that it opens when its technique is chosen.
-                CollapsingHeader::new(title)
+                CollapsingHeader::new(format!("{of:?}"))
                     .id_salt((path, open))
                     .default_open(open)
                     .show(ui, |ui| self.controls(ui, path));
