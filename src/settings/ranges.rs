@@ -133,15 +133,6 @@ mod tests {
     use serde_json::{Value, json};
     use std::collections::HashMap;
 
-    const SOURCES: [&str; 6] = [
-        include_str!("mod.rs"),
-        include_str!("windowed.rs"),
-        include_str!("reconstructed.rs"),
-        include_str!("selective.rs"),
-        include_str!("multi_resolution.rs"),
-        include_str!("goal.rs"),
-    ];
-
     /// The defaults as trees: without a goal, with an error and with a time.
     fn trees() -> [Value; 3] {
         [None, Some(Goal::Error(0.01)), Some(Goal::Time(10.0))]
@@ -199,7 +190,7 @@ mod tests {
     /// The type and the documentation of each field and variant, by the type that has it.
     fn documented() -> HashMap<(String, String), (String, String)> {
         let (mut found, mut owner, mut doc) = (HashMap::new(), String::new(), String::new());
-        for line in SOURCES.iter().flat_map(|source| source.lines()) {
+        for line in crate::SETTINGS_SOURCE.iter().flat_map(|source| source.lines()) {
             if let Some(item) = line.strip_prefix("pub struct ").or(line.strip_prefix("pub enum ")) {
                 owner = item.trim_end_matches(" {").to_owned();
             }

@@ -2,8 +2,11 @@
 
 use crate::shadows::{full, host};
 use bytemuck::pod_collect_to_vec;
+use deferred_aa::rays::RayTier;
 use deferred_aa::reference::rays::classify::classify;
-use deferred_aa::{Effect, Needs, Settings, Technique};
+use deferred_aa::{DeferredAa, Effect, Needs, RecordError, Settings, Technique, TextureTier};
+use deferred_aa_demo::gpu::{self, Gpu};
+use deferred_aa_demo::host::{Host, Options, descriptor};
 use deferred_aa_demo::rays::reflective;
 use deferred_aa_demo::scene::builtin::{self, SQUARES, builtin};
 use std::time::{Duration, Instant};
@@ -81,4 +84,43 @@ fn pruned_and_unpruned_images_are_the_same_bits() {
             assert!(host.picture().rgba == unpruned, "{name} {technique:?}: images differ");
         }
     }
+}
+
+/// What reflections and their hits would take has no part in frames that only cast shadows, though `Selective` would keep hits.
+#[test]
+fn shadows_alone_are_not_refused_for_the_room_of_reflections() {
+    let adapter = gpu::choose(std::env::var("WGPU_ADAPTER_NAME").ok().as_deref()).expect("tests need an adapter");
+    let descriptor = descriptor(1, TextureTier::Arrays, RayTier::Software);
+    let needed = DeferredAa::requirements(&adapter, &descriptor);
+    // On the limits of every device a word for each sample fits, and six more for each pixel do not.
+    let gpu = Gpu::with(adapter, needed.features, needed.limits).expect("a device");
+    let options = Options {
+        width: 2312,
+        height: 2080,
+        m: 1,
+        textures: TextureTier::Arrays,
+        stall: 1,
+        anisotropy: 1,
+        rays: RayTier::Software,
+    };
+    let mut host = Host::new(gpu, builtin("shadows").unwrap(), options).expect("a host");
+    let (device, camera) = (host.gpu.device.clone(), host.scene.default_camera());
+    let mut outcome = |settings| {
+        let mut outcome = Ok(());
+        // Only recorded: nothing is submitted.
+        let _ = host.frame_by(&camera, settings, |aa, queue, _, frame| {
+            outcome = aa.record(queue, &mut device.create_command_encoder(&Default::default()), frame);
+            Err(RecordError::NoSize)
+        });
+        outcome
+    };
+    let shadows = Settings {
+        technique: Technique::Selective,
+        reflections: Effect::Off,
+        refraction: Effect::Off,
+        ..Default::default()
+    };
+    assert_eq!(outcome(shadows), Ok(()));
+    let refused = outcome(Settings { reflections: Effect::On, ..shadows }).expect_err("more than the device binds");
+    assert!(matches!(refused, RecordError::Traces { bytes: 134_650_880, .. }), "{refused}");
 }

@@ -78,10 +78,7 @@ fn the_whole_frame_is_the_twins() {
                     let k = match technique {
                         Technique::Full => m * m,
                         Technique::Single => 1,
-                        Technique::Windowed
-                        | Technique::Reconstructed
-                        | Technique::Selective
-                        | Technique::MultiResolution => output.plan[i].0,
+                        _ => output.plan[i].0,
                     };
                     let samples: Vec<[f64; 4]> = order[..k as usize]
                         .iter()
