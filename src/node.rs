@@ -22,7 +22,7 @@ use crate::host::descriptor::{Descriptor, Shading};
 use crate::host::error::{BuildError, LendError, RecordError, ShadingError, SizeError, TableError};
 use crate::host::frame::Frame;
 use crate::host::gbuffer::GBuffer;
-use crate::host::graph::{Part, PartInfo, PassInfo, PassKind, Resource};
+use crate::host::graph::{Part, PartInfo, PassInfo, PassKind, Resource, Stage};
 use crate::host::intermediates::Intermediates;
 use crate::host::needs::{Needs, RayInputs};
 use crate::host::plan::Slots;
@@ -105,10 +105,7 @@ impl DeferredAa {
         };
         let pipelines = Pipelines::new(build);
         // Compiled now, so that a layout that does not fit the WGSL is an error here and not in the first frame.
-        pipelines.warm_up(&[(&crate::passes::first::FIRST).into()], RayInputs::default()).map_err(|e| match e {
-            RecordError::Pipeline(e) => BuildError::Pipeline(e),
-            other => BuildError::Missing(vec![other.to_string()]),
-        })?;
+        pipelines.try_host()?;
         Ok(Self {
             pipelines: Arc::new(pipelines),
             tables,
@@ -340,9 +337,7 @@ impl DeferredAa {
         frame: &Frame<'_>,
     ) -> Result<(), RecordError> {
         let recording = self.begin(queue, encoder, frame)?;
-        for pass in Self::passes(&frame.settings, &frame.needs) {
-            recording.record(encoder, pass)?;
-        }
+        recording.record_all(encoder);
         recording.finish(queue, encoder);
         Ok(())
     }
@@ -387,24 +382,20 @@ impl DeferredAa {
         if casting.is_some() {
             buffers.write_reflective(queue, frame.needs.reflective);
         }
-        let mut ready = Vec::with_capacity(steps.len());
-        for pass in passes(settings, inputs, steps) {
+        let make_ready = |pass: Pass| {
             let data = pass.step.pass;
-            let mut stages = Vec::with_capacity(data.stages.len());
-            for stage in data.stages {
+            let stage = |stage: &'static Stage| {
                 let pipeline = pipelines.get(data, stage, set)?;
                 let group = resources.group(build, (data, stage), &pipeline, buffers, frame.needs.rays);
-                stages.push(ReadyStage { stage, pipeline, group });
-            }
-            let found = if data.reads_found() { (inputs, set) } else { Default::default() };
+                Ok(ReadyStage { stage, pipeline, group })
+            };
+            let stages = data.stages.iter().map(stage).collect::<Result<_, RecordError>>()?;
+            let (found, compiled) = if data.reads_found() { (inputs, set) } else { Default::default() };
             let hosts = binds_host(data.module.base, &build.host);
-            ready.push(ReadyPass {
-                pass,
-                frame: resources.frame(build, buffers, found.0, found.1),
-                hosts: [hosts && tables.is_some(), hosts && build.host_layout.is_some()],
-                stages,
-            });
-        }
+            let hosts = [hosts && tables.is_some(), hosts && build.host_layout.is_some()];
+            Ok(ReadyPass { pass, frame: resources.frame(build, buffers, found, compiled), hosts, stages })
+        };
+        let ready: Vec<_> = passes(settings, inputs, steps).map(make_ready).collect::<Result<_, RecordError>>()?;
 
         // From here on nothing fails.
         self.frame += 1;

@@ -8,6 +8,7 @@ use crate::host::error::{PipelineError, RecordError};
 use crate::host::graph::{PassKind, Stage};
 use crate::host::needs::RayInputs;
 use crate::host::shader::Shader;
+use crate::passes::first::FIRST;
 use crate::passes::resolve::target_max;
 use crate::rays::RayTier;
 use crate::wgsl::HostSource;
@@ -66,6 +67,17 @@ pub(crate) struct Pipelines {
 impl Pipelines {
     pub fn new(build: Build) -> Self {
         Self { build, compiled: RwLock::default(), compiling: AtomicBool::new(false) }
+    }
+
+    /// Compiles a pass that shades, for an error where the host's layout does not fit its WGSL.
+    pub fn try_host(&self) -> Result<(), PipelineError> {
+        let inputs = RayInputs::default();
+        for stage in FIRST.stages {
+            let made = self.build.compile_on(self.build.rays.unwrap_or_default(), &FIRST, stage, inputs)?;
+            let mut compiled = self.compiled.write().unwrap_or_else(PoisonError::into_inner);
+            compiled.insert(key(&FIRST, stage, inputs), made);
+        }
+        Ok(())
     }
 
     fn has(&self, key: &Key) -> bool {
@@ -152,10 +164,19 @@ impl Build {
     }
 
     fn compile(&self, pass: &PassData, stage: &Stage, set: RayInputs) -> Result<Pipeline, RecordError> {
-        let tier = self.admit(pass)?;
+        Ok(self.compile_on(self.admit(pass)?, pass, stage, set)?)
+    }
+
+    fn compile_on(
+        &self,
+        tier: RayTier,
+        pass: &PassData,
+        stage: &Stage,
+        set: RayInputs,
+    ) -> Result<Pipeline, PipelineError> {
         let text = modules::source(pass.module, &self.host, set, tier);
         let name = pass.module.name;
-        let checked = self.checked(name, || {
+        self.checked(name, || {
             let own = binding::layout(&self.device, pass, stage, tier);
             let hosts = modules::binds_host(pass.module.base, &self.host);
             let host = |layout: &'_ Option<wgpu::BindGroupLayout>| layout.clone().filter(|_| hosts);
@@ -192,8 +213,7 @@ impl Build {
                 }))
             };
             Pipeline { kind, layout: own }
-        })?;
-        Ok(checked)
+        })
     }
 
     /// Creates a pipeline that covers the target with one triangle.

@@ -51,13 +51,21 @@ impl Recording<'_> {
     /// other passes are refused.
     pub fn record(&self, encoder: &mut wgpu::CommandEncoder, pass: Pass) -> Result<(), RecordError> {
         let own = self.passes.get(pass.index).filter(|own| own.pass == pass);
-        let own = own.ok_or(RecordError::ForeignPass(pass.info.name))?;
-        if pass.step.pass.draws() {
+        self.record_ready(encoder, own.ok_or(RecordError::ForeignPass(pass.info.name))?);
+        Ok(())
+    }
+
+    /// Records all passes in their order.
+    pub(crate) fn record_all(&self, encoder: &mut wgpu::CommandEncoder) {
+        self.passes.iter().for_each(|own| self.record_ready(encoder, own));
+    }
+
+    fn record_ready(&self, encoder: &mut wgpu::CommandEncoder, own: &ReadyPass) {
+        if own.pass.step.pass.draws() {
             self.draw(encoder, own);
         } else {
             self.compute(encoder, own);
         }
-        Ok(())
     }
 
     fn timestamps(&self, pass: Pass) -> Option<(&wgpu::QuerySet, u32, u32)> {
