@@ -30,6 +30,7 @@ use crate::host::requirements::{self, Memory, Requirements};
 use crate::host::shader::Shader;
 use crate::host::statistics::Statistics;
 use crate::host::table::{TableTexture, Tables, TextureTable, TextureTier};
+use crate::rays::RayScene;
 use crate::settings::{DebugView, Settings};
 use crate::techniques::{self, Effort};
 use crate::wgsl::{self, HostSource};
@@ -53,11 +54,25 @@ pub struct DeferredAa {
     tables: Option<Tables>,
     buffers: NodeBuffers,
     resources: Option<SizedResources>,
+    /// From the last frame, until its resources go.
+    prepared: Option<Prepared>,
     collector: Collector,
     /// Created by the first check.
     check: Option<InputCheck>,
     controller: Controller,
     frame: u64,
+}
+
+/// What the passes of a frame are recorded from, and what it depends on.
+#[derive(Debug)]
+struct Prepared {
+    steps: Vec<Step>,
+    shape: Shape,
+    /// Generation of the ray scene, if the frame has one.
+    scene: Option<u64>,
+    /// The inputs that the pipelines were compiled for.
+    set: RayInputs,
+    passes: Vec<ReadyPass>,
 }
 
 impl DeferredAa {
@@ -111,6 +126,7 @@ impl DeferredAa {
             tables,
             buffers: NodeBuffers::new(device),
             resources: None,
+            prepared: None,
             collector: Collector::new(device),
             check: None,
             controller: Controller::default(),
@@ -152,6 +168,7 @@ impl DeferredAa {
             let bytes = sizes::gbuffer_bytes(size, m) + sizes::scratch_bytes(size);
             return Err(SizeError::OutOfMemory { width, height, m, bytes, message: e.to_string() });
         }
+        self.prepared = None;
         self.resources = Some(resources);
         Ok(())
     }
@@ -215,6 +232,7 @@ impl DeferredAa {
         if let Some(e) = refused.into_iter().flatten().next() {
             return Err(LendError::Refused(pipelines::one_line(&e)));
         }
+        self.prepared = None;
         self.resources = Some(lent);
         Ok(())
     }
@@ -328,7 +346,7 @@ impl DeferredAa {
     /// two submits are:
     /// - At most 16 frames may be recorded; the next would overwrite the constants of the first.
     /// - All of them use [`Needs::textured`], [`Needs::importance`] and [`Needs::reflective`] of the last one.
-    /// - All that trace one [`RayScene`](crate::rays::RayScene) use its last [update](crate::rays::RayScene::update),
+    /// - All that trace one [`RayScene`](RayScene) use its last [update](RayScene::update),
     ///   and a scene is updated for one camera. Views with rays need a scene each or a submit each.
     pub fn record(
         &mut self,
@@ -363,25 +381,69 @@ impl DeferredAa {
         let (effort, step) = (self.controller.effort(), self.controller.step());
         let effort = effort.map(|effort| Effort { effort, step });
         let audited = Audited { step: effort.map_or(0.0, |e| e.step), ..Audited::of(self.frame + 1, size) };
-        let mut uniform = FrameUniform::new(frame, size, m, audited)?;
+        let mut uniform = FrameUniform::new(frame, size, audited)?;
         uniform.set_order(m, &technique.order(settings, m));
         technique.uniform(settings, m, effort, &mut uniform);
         let inputs = RayInputs::of(settings, &frame.needs);
         let casting = self.casting(frame, inputs, uniform.camera_position.into())?;
         let steps = techniques::steps(settings, inputs);
-        let set = self.pipelines.serve(&steps, inputs)?;
-
         let shape = self.shape(size, settings, inputs);
-        let Self { pipelines, tables, buffers, resources, collector, .. } = self;
-        let build = &pipelines.build;
-        let resources = resources.as_mut().ok_or(RecordError::NoSize)?;
-        resources.ensure(&build.device, &shape, &used_parts(&steps), technique.execution(settings))?;
+        self.prepare(frame, steps, &shape)?;
+        let Self { buffers, resources, prepared, collector, pipelines, .. } = self;
+        let resources = resources.as_ref().ok_or(RecordError::NoSize)?;
+        let ready = prepared.as_ref().map_or(&[][..], |prepared| &prepared.passes);
+
+        // From here on nothing fails.
         if technique.reads_marks() {
             buffers.write_marks(queue, &frame.needs);
         }
         if casting.is_some() {
             buffers.write_reflective(queue, frame.needs.reflective);
         }
+        self.frame += 1;
+        let slot = self.frame % FRAMES;
+        buffers.frames.write(queue, slot, 0, &uniform);
+        if let Some(lattices) = &shape.lattices {
+            write_lattices(buffers, queue, slot, ready, lattices);
+        }
+        if let Some(casting) = &casting {
+            write_casting(buffers, queue, slot, ready, casting, &shape);
+        }
+        resources.clear(encoder, &shape);
+        let recorded = (frame.statistics || effort.is_some()).then(|| {
+            collector.reserve(&pipelines.build.device, ready.len());
+            let audits = |ready: &ReadyPass| ready.pass.info.kind == PassKind::Audit;
+            Recorded {
+                frame: self.frame,
+                technique: settings.technique,
+                size,
+                m,
+                effort: effort.map(|e| e.effort),
+                audited: ready.iter().any(audits).then_some(audited),
+                passes: ready.iter().map(|ready| (ready.pass.info.name, ready.pass.info.kind)).collect(),
+            }
+        });
+        Ok(Recording { frame, resources, buffers, collector, slot, passes: ready, audited, recorded })
+    }
+
+    /// Makes ready what the passes of a frame are recorded from: pipelines, memory and bind groups. Nothing is left to do where the frame
+    /// before had the same.
+    fn prepare(&mut self, frame: &Frame<'_>, steps: Vec<Step>, shape: &Shape) -> Result<(), RecordError> {
+        let inputs = shape.inputs;
+        let scene = frame.needs.rays.filter(|_| inputs.any()).map(RayScene::generation);
+        // While pipelines of a larger set serve, the frame's own may come at any time.
+        let is_same = |p: &Prepared| p.steps == steps && p.shape == *shape && p.scene == scene && p.set == inputs;
+        if self.prepared.as_ref().is_some_and(is_same) {
+            return Ok(());
+        }
+        self.prepared = None;
+        let settings = &frame.settings;
+        let set = self.pipelines.serve(&steps, inputs)?;
+        let Self { pipelines, tables, buffers, resources, .. } = self;
+        let build = &pipelines.build;
+        let resources = resources.as_mut().ok_or(RecordError::NoSize)?;
+        let execution = techniques::of(settings.technique).execution(settings);
+        resources.ensure(&build.device, shape, &used_parts(&steps), execution)?;
         let make_ready = |pass: Pass| {
             let data = pass.step.pass;
             let stage = |stage: &'static Stage| {
@@ -395,33 +457,9 @@ impl DeferredAa {
             let hosts = [hosts && tables.is_some(), hosts && build.host_layout.is_some()];
             Ok(ReadyPass { pass, frame: resources.frame(build, buffers, found, compiled), hosts, stages })
         };
-        let ready: Vec<_> = passes(settings, inputs, steps).map(make_ready).collect::<Result<_, RecordError>>()?;
-
-        // From here on nothing fails.
-        self.frame += 1;
-        let slot = self.frame % FRAMES;
-        buffers.frames.write(queue, slot, 0, &uniform);
-        if let Some(lattices) = &shape.lattices {
-            write_lattices(buffers, queue, slot, &ready, lattices);
-        }
-        if let Some(casting) = &casting {
-            write_casting(buffers, queue, slot, &ready, casting, &shape);
-        }
-        resources.clear(encoder, &shape);
-        let recorded = (frame.statistics || effort.is_some()).then(|| {
-            collector.reserve(&build.device, ready.len());
-            let audits = |ready: &ReadyPass| ready.pass.info.kind == PassKind::Audit;
-            Recorded {
-                frame: self.frame,
-                technique: settings.technique,
-                size,
-                m,
-                effort: effort.map(|e| e.effort),
-                audited: ready.iter().any(audits).then_some(audited),
-                passes: ready.iter().map(|ready| (ready.pass.info.name, ready.pass.info.kind)).collect(),
-            }
-        });
-        Ok(Recording { frame, resources, buffers, collector, slot, passes: ready, audited, recorded })
+        let passes = passes(settings, inputs, steps.clone()).map(make_ready).collect::<Result<_, RecordError>>()?;
+        self.prepared = Some(Prepared { steps, shape: *shape, scene, set, passes });
+        Ok(())
     }
 
     /// Checks that the image fits the frame's target, and that the frame has the bind groups of the host's WGSL.
@@ -491,7 +529,8 @@ impl DeferredAa {
         let build = &pipelines.build;
         let resources = resources.as_mut().ok_or(RecordError::NoSize)?;
         let size = resources.size;
-        let uniform = FrameUniform::new(frame, size, build.m, Audited::of(self.frame, size))?;
+        let mut uniform = FrameUniform::new(frame, size, Audited::of(self.frame, size))?;
+        uniform.set_order(build.m, &techniques::of(frame.settings.technique).order(&frame.settings, build.m));
         let check = self.check.get_or_insert_with(|| InputCheck::new(&build.device));
         check.poll(build.m);
         if !check.is_free() {

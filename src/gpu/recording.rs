@@ -21,7 +21,7 @@ pub struct Recording<'a> {
     pub(crate) collector: &'a mut Collector,
     /// The slot of its constants.
     pub(crate) slot: u64,
-    pub(crate) passes: Vec<ReadyPass>,
+    pub(crate) passes: &'a [ReadyPass],
     pub(crate) audited: Audited,
     /// Set if the frame's statistics are requested or the goal needs them.
     pub(crate) recorded: Option<Recorded>,
@@ -92,6 +92,7 @@ impl Recording<'_> {
             compute.set_bind_group(crate::HOST_GROUP, host, &[]);
         }
         let SizedResources { size, m, .. } = *self.resources;
+        let mut bound = None;
         for round in 0..pass.info.rounds.count(size, m) {
             let further = u64::from(round) * WORK_BYTES;
             for ready in &own.stages {
@@ -99,7 +100,10 @@ impl Recording<'_> {
                     compute.set_pipeline(pipeline);
                 }
                 let (offsets, count) = self.offsets(pass, ready.stage, further);
-                compute.set_bind_group(OWN_GROUP, &ready.group, &offsets[..count]);
+                if bound != Some((&ready.group, offsets)) {
+                    compute.set_bind_group(OWN_GROUP, &ready.group, &offsets[..count]);
+                    bound = Some((&ready.group, offsets));
+                }
                 match ready.stage.grid {
                     Grid::Indirect { part, offset } => {
                         if let Some(buffer) = self.resources.buffer(part) {

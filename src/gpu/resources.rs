@@ -44,7 +44,9 @@ const FIXED: [Part; 5] = [Part::First, Part::Color, Part::WindowCounts, Part::Pl
 type StageKey = (usize, usize);
 
 fn stage_key(pass: &'static PassData, stage: &'static Stage) -> StageKey {
-    (std::ptr::from_ref(pass).addr(), std::ptr::from_ref(stage).addr())
+    // Stages that bind all of a pass share its group.
+    let own = if stage.without.is_empty() { 0 } else { std::ptr::from_ref(stage).addr() };
+    (std::ptr::from_ref(pass).addr(), own)
 }
 
 /// The resources of one size.

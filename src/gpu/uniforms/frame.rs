@@ -125,9 +125,9 @@ pub(crate) mod flag {
 }
 
 impl FrameUniform {
-    /// The constants that all techniques share. Samples are in the order of [`window::order`] and have their own
-    /// texture footprints; no technique's part is filled in.
-    pub fn new(frame: &Frame<'_>, size: [u32; 2], m: u32, audited: Audited) -> Result<Self, RecordError> {
+    /// The constants that all techniques share. Samples have their own texture footprints; their order and the
+    /// technique's part are not filled in.
+    pub fn new(frame: &Frame<'_>, size: [u32; 2], audited: Audited) -> Result<Self, RecordError> {
         let (relative_from_clip, position, forward) = frame.camera.relative()?;
         if !(frame.exposure.is_finite() && frame.exposure > 0.0) {
             return Err(RecordError::Exposure(frame.exposure));
@@ -158,7 +158,6 @@ impl FrameUniform {
         uniform.flag(flag::REFLECTIONS, frame.settings.reflections != Effect::Off);
         uniform.flag(flag::REFRACTIONS, frame.settings.refraction != Effect::Off);
         uniform.flag(flag::REFLECTS, inputs.reflections);
-        uniform.set_order(m, &window::order(m));
         Ok(uniform)
     }
 
@@ -169,7 +168,6 @@ impl FrameUniform {
 
     /// Sets the positions of a window's samples in the order in which they are shaded.
     pub fn set_order(&mut self, m: u32, places: &[(u8, u8)]) {
-        self.order = Zeroable::zeroed();
         for (rank, &(x, y)) in places.iter().enumerate() {
             self.order[rank / 4][rank % 4] |= u32::from(x) | u32::from(y) << 4 | window::quadrants(m, x, y) << 8;
             let place = usize::from(y) * m as usize + usize::from(x);
