@@ -5,12 +5,12 @@ use crate::gpu::binding::{Slot, frame_layout};
 use crate::gpu::buffers::NodeBuffers;
 use crate::gpu::loans::{Lent, Loans};
 use crate::gpu::modules::binds_host;
-use crate::gpu::pipelines::{self, Build, Pipelines};
+use crate::gpu::pipelines::{self, Build, PipelineKind, Pipelines};
 use crate::gpu::readback::collector::{Collector, Recorded};
 use crate::gpu::readback::input_check::InputCheck;
-use crate::gpu::recording::{ReadyPass, ReadyStage, Recording};
+use crate::gpu::recording::{ReadyPass, ReadyStage, Recording, Run};
 use crate::gpu::resources::{SizedResources, binding_limit, check_size};
-use crate::gpu::sizes::{self, Shape};
+use crate::gpu::sizes::{self, Shape, workgroups};
 use crate::gpu::step::{Pass, Step};
 use crate::gpu::uniforms::audited::Audited;
 use crate::gpu::uniforms::casting::{CastSamples, CastingUniform};
@@ -22,7 +22,7 @@ use crate::host::descriptor::{Descriptor, Shading};
 use crate::host::error::{BuildError, LendError, RecordError, ShadingError, SizeError, TableError};
 use crate::host::frame::Frame;
 use crate::host::gbuffer::GBuffer;
-use crate::host::graph::{Part, PartInfo, PassInfo, PassKind, Resource, Stage};
+use crate::host::graph::{Grid, Part, PartInfo, PassInfo, PassKind, Resource, Stage};
 use crate::host::intermediates::Intermediates;
 use crate::host::needs::{Needs, RayInputs};
 use crate::host::plan::Slots;
@@ -423,7 +423,7 @@ impl DeferredAa {
                 passes: ready.iter().map(|ready| (ready.pass.info.name, ready.pass.info.kind)).collect(),
             }
         });
-        Ok(Recording { frame, resources, buffers, collector, slot, passes: ready, audited, recorded })
+        Ok(Recording { frame, resources, buffers, collector, slot, passes: ready, recorded })
     }
 
     /// Makes ready what the passes of a frame are recorded from: pipelines, memory and bind groups. Nothing is left to do where the frame
@@ -449,7 +449,20 @@ impl DeferredAa {
             let stage = |stage: &'static Stage| {
                 let pipeline = pipelines.get(data, stage, set)?;
                 let group = resources.group(build, (data, stage), &pipeline, buffers, frame.needs.rays);
-                Ok(ReadyStage { stage, pipeline, group })
+                let run = match (pipeline.kind, stage.grid) {
+                    (PipelineKind::Render(pipeline), _) => Run::Draw(pipeline),
+                    (PipelineKind::Compute(pipeline), Grid::Indirect { part, offset }) => {
+                        let groups = resources.buffer(part).ok_or(RecordError::Unmade(pass.info.name))?;
+                        Run::Indirect(pipeline, groups.clone(), offset)
+                    }
+                    (PipelineKind::Compute(pipeline), grid) => {
+                        // Every frame of a size audits as many tiles.
+                        let audited = Some(Audited::of(0, shape.size));
+                        let groups = workgroups(grid, shape.size, build.m, pass.info.lattice, audited);
+                        Run::Direct(pipeline, groups.ok_or(RecordError::Unmade(pass.info.name))?)
+                    }
+                };
+                Ok(ReadyStage { stage, group, run })
             };
             let stages = data.stages.iter().map(stage).collect::<Result<_, RecordError>>()?;
             let (found, compiled) = if data.reads_found() { (inputs, set) } else { Default::default() };

@@ -2,15 +2,13 @@
 
 use crate::gpu::binding::{OWN_GROUP, Slot};
 use crate::gpu::buffers::NodeBuffers;
-use crate::gpu::pipelines::{Pipeline, PipelineKind};
 use crate::gpu::readback::collector::{Collector, Recorded};
 use crate::gpu::resources::SizedResources;
-use crate::gpu::sizes::{WORK_BYTES, workgroups};
+use crate::gpu::sizes::WORK_BYTES;
 use crate::gpu::step::Pass;
-use crate::gpu::uniforms::audited::Audited;
 use crate::host::error::RecordError;
 use crate::host::frame::Frame;
-use crate::host::graph::{Grid, Part, Rounds, Stage};
+use crate::host::graph::{Part, Rounds, Stage};
 
 /// A frame that is being recorded. If it is dropped without [`finish`](Self::finish), it has no statistics.
 #[derive(Debug)]
@@ -22,7 +20,6 @@ pub struct Recording<'a> {
     /// The slot of its constants.
     pub(crate) slot: u64,
     pub(crate) passes: &'a [ReadyPass],
-    pub(crate) audited: Audited,
     /// Set if the frame's statistics are requested or the goal needs them.
     pub(crate) recorded: Option<Recorded>,
 }
@@ -41,9 +38,20 @@ pub(crate) struct ReadyPass {
 #[derive(Debug)]
 pub(crate) struct ReadyStage {
     pub stage: &'static Stage,
-    pub pipeline: Pipeline,
     /// The pass's own bind group.
     pub group: wgpu::BindGroup,
+    pub run: Run,
+}
+
+/// How a stage runs.
+#[derive(Debug)]
+pub(crate) enum Run {
+    /// With so many workgroups.
+    Direct(wgpu::ComputePipeline, [u32; 3]),
+    /// With as many as stand in the buffer, at this offset in the first round.
+    Indirect(wgpu::ComputePipeline, wgpu::Buffer, u64),
+    /// As a triangle that covers the target.
+    Draw(wgpu::RenderPipeline),
 }
 
 impl Recording<'_> {
@@ -96,25 +104,22 @@ impl Recording<'_> {
         for round in 0..pass.info.rounds.count(size, m) {
             let further = u64::from(round) * WORK_BYTES;
             for ready in &own.stages {
-                if let PipelineKind::Compute(pipeline) = &ready.pipeline.kind {
-                    compute.set_pipeline(pipeline);
-                }
                 let (offsets, count) = self.offsets(pass, ready.stage, further);
                 if bound != Some((&ready.group, offsets)) {
                     compute.set_bind_group(OWN_GROUP, &ready.group, &offsets[..count]);
                     bound = Some((&ready.group, offsets));
                 }
-                match ready.stage.grid {
-                    Grid::Indirect { part, offset } => {
-                        if let Some(buffer) = self.resources.buffer(part) {
-                            compute.dispatch_workgroups_indirect(buffer, offset + further);
-                        }
+                match &ready.run {
+                    Run::Direct(pipeline, [x, y, z]) => {
+                        compute.set_pipeline(pipeline);
+                        compute.dispatch_workgroups(*x, *y, *z);
                     }
-                    grid => {
-                        let groups = workgroups(grid, size, m, pass.info.lattice, Some(self.audited));
-                        let [x, y, z] = groups.unwrap_or_default();
-                        compute.dispatch_workgroups(x, y, z);
+                    Run::Indirect(pipeline, groups, offset) => {
+                        compute.set_pipeline(pipeline);
+                        compute.dispatch_workgroups_indirect(groups, offset + further);
                     }
+                    // A pass draws or computes, not both.
+                    Run::Draw(_) => {}
                 }
             }
         }
@@ -166,7 +171,7 @@ impl Recording<'_> {
             multiview_mask: None,
         });
         for ready in &own.stages {
-            if let PipelineKind::Render(pipeline) = &ready.pipeline.kind {
+            if let Run::Draw(pipeline) = &ready.run {
                 render.set_pipeline(pipeline);
                 render.set_bind_group(0, &own.frame, &[self.buffers.frames.offset(self.slot, 0)]);
                 render.set_bind_group(OWN_GROUP, &ready.group, &[]);

@@ -384,6 +384,9 @@ pub enum RecordError {
         /// The least bytes that the part needs in this frame.
         needed: u64,
     },
+    /// A pass lacks what the node should have made for it.
+    #[error("the node has not made what the pass '{0}' runs on; this is a defect of deferred-aa, please report it")]
+    Unmade(&'static str),
     /// The pass is not part of this frame.
     #[error(
         "the pass '{0}' is not part of this frame; record DeferredAa::passes of the frame's own settings and needs"
