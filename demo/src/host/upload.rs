@@ -24,13 +24,13 @@ pub struct GpuScene {
     pub vertices: wgpu::Buffer,
     /// u32.
     pub indices: wgpu::Buffer,
-    /// In the order of [`Scene::meshes`].
+    /// The ranges of the meshes, in the order of [`Scene::meshes`].
     pub meshes: Vec<MeshRange>,
     /// `Material` of material.wgsl.
     pub materials: wgpu::Buffer,
     /// `Light` of shading.wgsl.
     pub lights: wgpu::Buffer,
-    /// How many there are.
+    /// The number of lights.
     pub light_count: u32,
     /// The table, by index of [`Scene::textures`].
     pub table: TextureTable,
@@ -100,9 +100,9 @@ pub enum UploadError {
     /// A buffer.
     #[error("the scene's {what} take {bytes} bytes, the device allows {limit} a buffer; use a smaller scene")]
     Buffer {
-        /// Which.
+        /// The buffer.
         what: &'static str,
-        /// How much.
+        /// Its size in bytes.
         bytes: u64,
         /// The limit.
         limit: u64,
@@ -112,9 +112,9 @@ pub enum UploadError {
     Image {
         /// Its name.
         name: String,
-        /// In texels.
+        /// The width in texels.
         width: u32,
-        /// In texels.
+        /// The height in texels.
         height: u32,
         /// The limit.
         limit: u32,

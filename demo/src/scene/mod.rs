@@ -45,7 +45,7 @@ pub struct Scene {
 /// Indexed triangles with one material. All attribute arrays have the same length.
 #[derive(Debug, Clone, Default)]
 pub struct Mesh {
-    /// For messages.
+    /// The name that messages use.
     pub name: String,
     /// Finite positions in mesh space.
     pub positions: Vec<Vec3>,
@@ -77,7 +77,7 @@ pub struct Instance {
 /// glTF metallic-roughness.
 #[derive(Debug, Clone)]
 pub struct Material {
-    /// For messages.
+    /// The name that messages use.
     pub name: String,
     /// Linear, multiplies the texture and the vertex colour.
     pub base_color: Vec4,
@@ -157,11 +157,11 @@ pub enum Wrap {
 /// RGBA, 8 bits a channel, rows from the top; alpha straight.
 #[derive(Clone)]
 pub struct Image {
-    /// For messages.
+    /// The name that messages use.
     pub name: String,
-    /// In texels, at least 1 × 1.
+    /// The width in texels, at least 1.
     pub width: u32,
-    /// In texels.
+    /// The height in texels, at least 1.
     pub height: u32,
     /// width · height · 4 bytes.
     pub rgba: std::sync::Arc<[u8]>,
@@ -194,7 +194,7 @@ pub struct Light {
 /// The shape of a light's emission.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LightKind {
-    /// In all directions.
+    /// It shines in all directions.
     Point,
     /// A cone, angles in radians from the axis, inner < outer ≤ π/2.
     Spot {
@@ -203,7 +203,7 @@ pub enum LightKind {
         /// Dark outside.
         outer: f32,
     },
-    /// From infinitely far.
+    /// It shines from infinitely far.
     Directional,
 }
 

@@ -1,4 +1,4 @@
-//! Where a language that has no groups finds what a shader binds.
+//! The places of bindings in languages that have no groups.
 
 use deferred_aa::MAX_SAMPLERS;
 use naga::{AddressSpace, ArraySize, GlobalVariable, ImageClass, Module, ResourceBinding, StorageAccess, TypeInner};
@@ -33,7 +33,7 @@ impl Kind {
     }
 }
 
-/// How many an array of bindings is declared with: those of the texture table have no length in WGSL.
+/// The length that an array of bindings is declared with: those of the texture table have none in WGSL.
 pub fn length(module: &Module, variable: &GlobalVariable) -> Option<u32> {
     match module.types[variable.ty].inner {
         TypeInner::BindingArray { size: ArraySize::Constant(count), .. } => Some(count.get()),
@@ -46,13 +46,13 @@ pub fn length(module: &Module, variable: &GlobalVariable) -> Option<u32> {
 /// What has a row of numbers of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Row {
-    /// Of MSL: uniform and storage buffers, arrays of bindings, acceleration structures.
+    /// The buffers of MSL: uniform and storage buffers, arrays of bindings, acceleration structures.
     Buffers,
-    /// Of MSL.
+    /// The textures of MSL.
     Textures,
-    /// Of MSL.
+    /// The samplers of MSL.
     Samplers,
-    /// Of GLSL, as the four that follow.
+    /// The uniform blocks of GLSL; the four that follow are its own too.
     UniformBlocks,
     StorageBlocks,
     Units,

@@ -13,24 +13,24 @@ use std::fmt::Write as _;
 /// The passes of a frame in order, their shaders, and the structs that these read.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Table {
-    /// Of all files.
+    /// The language of all files.
     pub language: String,
     /// What must be known beside it.
     pub notes: String,
     /// Samples along one side of a window.
     pub m: u32,
-    /// Of the frames.
+    /// The settings of the frames.
     pub settings: deferred_aa::Settings,
-    /// In the order in which they run; the first is not the node's, but what the host's raster shader needs.
+    /// The passes in the order in which they run. The first is not the node's: it is what the host's raster shader needs.
     pub passes: Vec<Pass>,
-    /// By name.
+    /// The structs of all buffers, by name.
     pub structs: BTreeMap<String, Struct>,
 }
 
 /// A pass.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Pass {
-    /// As in timings.
+    /// The name of the pass, as in timings.
     pub name: &'static str,
     /// What must be finished before.
     pub reads: Vec<String>,
@@ -38,7 +38,7 @@ pub struct Pass {
     pub writes: Vec<String>,
     /// How often the shaders run, one after the other.
     pub rounds: String,
-    /// In the order in which they run.
+    /// The shaders, in the order in which they run.
     pub shaders: Vec<Entry>,
 }
 
@@ -62,20 +62,20 @@ pub struct Entry {
 /// A resource of a shader.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Binding {
-    /// In WGSL.
+    /// The group in WGSL.
     pub group: u32,
-    /// In WGSL.
+    /// The binding in WGSL.
     pub binding: u32,
-    /// In the language of the file.
+    /// The place in the language of the file.
     pub place: String,
     /// What it is.
     pub kind: Kind,
-    /// In WGSL.
+    /// The name in WGSL.
     pub name: String,
-    /// In WGSL.
+    /// The type in WGSL.
     #[serde(rename = "type")]
     pub ty: String,
-    /// Of an array of bindings.
+    /// The number of elements of an array of bindings.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub length: Option<u32>,
     /// The least of a buffer.
@@ -88,18 +88,18 @@ pub struct Binding {
 pub struct Struct {
     /// One of them, a last array without a length counted as one element.
     pub bytes: u32,
-    /// In order.
+    /// The members, in order.
     pub members: Vec<Member>,
 }
 
-/// Of a struct.
+/// A member of a struct.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Member {
-    /// From the struct's begin, in bytes.
+    /// The offset from the beginning of the struct, in bytes.
     pub offset: u32,
-    /// In WGSL.
+    /// The name in WGSL.
     pub name: String,
-    /// In WGSL.
+    /// The type in WGSL.
     #[serde(rename = "type")]
     pub ty: String,
 }
@@ -143,7 +143,7 @@ impl Table {
         }
     }
 
-    /// As Markdown.
+    /// The table as Markdown.
     pub fn markdown(&self) -> String {
         let mut text = String::new();
         // Writing to a string can't fail.
