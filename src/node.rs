@@ -30,6 +30,7 @@ use crate::host::requirements::{self, Memory, Requirements};
 use crate::host::shader::Shader;
 use crate::host::statistics::Statistics;
 use crate::host::table::{TableTexture, Tables, TextureTable, TextureTier};
+use crate::passes::first::FIRST;
 use crate::rays::RayScene;
 use crate::settings::{DebugView, Settings};
 use crate::techniques::{self, Effort};
@@ -120,7 +121,7 @@ impl DeferredAa {
         };
         let pipelines = Pipelines::new(build);
         // Compiled now, so that a layout that does not fit the WGSL is an error here and not in the first frame.
-        pipelines.try_host()?;
+        pipelines.try_host(&FIRST)?;
         Ok(Self {
             pipelines: Arc::new(pipelines),
             tables,

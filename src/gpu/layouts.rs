@@ -4,7 +4,7 @@ mod compare;
 
 use crate::gpu::binding::{Access, Binding, OWN_GROUP, PassData, Slot};
 use crate::gpu::modules::{Base, source};
-use crate::gpu::sizes::{BATCH, TILE_CLASSES_BYTES, WORK_BYTES, WORK_GROUPS_AT};
+use crate::gpu::sizes::{BATCH, POINTS_BLOCK, TILE_CLASSES_BYTES, WORK_BYTES, WORK_GROUPS_AT};
 use crate::gpu::uniforms::casting::{CastSamples, CastingUniform, LightUniform};
 use crate::gpu::uniforms::frame::{
     AuditUniform, FrameUniform, MultiResolutionUniform, ReconstructUniform, SelectiveUniform, WindowedUniform, flag,
@@ -453,7 +453,7 @@ fn workgroups_are_the_grids() {
     }
     assert!(checked.len() > 25, "{checked:?}");
     let lattice = module(&passes::lattice::points::POINTS, RayInputs::default(), RayTier::Software);
-    assert_eq!(constant(&lattice, "DAA_LANE_SIDE") * TILE, passes::lattice::points::BLOCK);
+    assert_eq!(constant(&lattice, "DAA_LANE_SIDE") * TILE, POINTS_BLOCK);
     assert_eq!(TILE, 1 << 3, "a shift by 3, a mask of 7, 64 windows, 64 · 63 samples beyond the first");
     assert_eq!(crate::Windowed::NO_TILE_LIMIT, TILE * TILE * (crate::window::MAX_M.pow(2) - 1));
 }

@@ -8,8 +8,6 @@ use crate::host::error::{PipelineError, RecordError};
 use crate::host::graph::{PassKind, Stage};
 use crate::host::needs::RayInputs;
 use crate::host::shader::Shader;
-use crate::passes::first::FIRST;
-use crate::passes::resolve::target_max;
 use crate::rays::RayTier;
 use crate::wgsl::HostSource;
 use std::collections::HashMap;
@@ -70,12 +68,12 @@ impl Pipelines {
     }
 
     /// Compiles a pass that shades, for an error where the host's layout does not fit its WGSL.
-    pub fn try_host(&self) -> Result<(), PipelineError> {
+    pub fn try_host(&self, pass: &PassData) -> Result<(), PipelineError> {
         let inputs = RayInputs::default();
-        for stage in FIRST.stages {
-            let made = self.build.compile_on(self.build.rays.unwrap_or_default(), &FIRST, stage, inputs)?;
+        for stage in pass.stages {
+            let made = self.build.compile_on(self.build.rays.unwrap_or_default(), pass, stage, inputs)?;
             let mut compiled = self.compiled.write().unwrap_or_else(PoisonError::into_inner);
-            compiled.insert(key(&FIRST, stage, inputs), made);
+            compiled.insert(key(pass, stage, inputs), made);
         }
         Ok(())
     }
@@ -281,6 +279,16 @@ impl Build {
             None => Ok(made),
             Some(e) => Err(PipelineError { pass, message: one_line(&e) }),
         }
+    }
+}
+
+/// The greatest finite value of a colour format.
+fn target_max(format: wgpu::TextureFormat) -> f32 {
+    match format {
+        wgpu::TextureFormat::Rgba16Float | wgpu::TextureFormat::Rg16Float | wgpu::TextureFormat::R16Float => 65504.0,
+        wgpu::TextureFormat::Rg11b10Ufloat => 64512.0,
+        wgpu::TextureFormat::Rgba32Float | wgpu::TextureFormat::Rg32Float | wgpu::TextureFormat::R32Float => 1e30,
+        _ => 1.0,
     }
 }
 

@@ -23,6 +23,10 @@ pub(crate) const BATCH: u64 = 1 << 22;
 /// The bytes before the lists of tiles: two `DaaTileClass` of classify.wgsl.
 pub(crate) const TILE_CLASSES_BYTES: u64 = 32;
 
+/// The number of points along one side of the block of a workgroup that lists points: `DAA_LANE_SIDE` of listing.wgsl for
+/// each of 8 lanes.
+pub(crate) const POINTS_BLOCK: u32 = 32;
+
 /// The number of words for the hits of a first sample's rays: three for the mirrored and three for the refracted one.
 const HIT_WORDS: u64 = 6;
 

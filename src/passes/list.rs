@@ -10,12 +10,18 @@ static MODULE: Module = Module {
     chunks: &[include_str!("../../shaders/shared/work.wgsl"), include_str!("../../shaders/passes/list.wgsl")],
 };
 
-/// The list of pixels, with a row for each k.
-pub(crate) static PIXELS: PassData = PassData {
+const LIST: PassData = PassData {
     names: &["list"],
     kind: PassKind::List,
     module: &MODULE,
     gbuffer: false,
+    bindings: &[],
+    stages: &[],
+    rounds: Rounds::Once,
+};
+
+/// The list of pixels, with a row for each k.
+pub(crate) static PIXELS: PassData = PassData {
     bindings: &[
         Binding::read(0, "daa_plan", Slot::Part(Part::Plan)),
         Binding::write(1, "daa_rows", Slot::Part(Part::PixelListRows)),
@@ -27,15 +33,11 @@ pub(crate) static PIXELS: PassData = PassData {
         Stage::new("daa_list_scan", Grid::Counts),
         Stage::new("daa_list_pixels", Grid::TileRuns),
     ],
-    rounds: Rounds::Once,
+    ..LIST
 };
 
 /// The list of samples, in one row.
 pub(crate) static SAMPLES: PassData = PassData {
-    names: &["list"],
-    kind: PassKind::List,
-    module: &MODULE,
-    gbuffer: false,
     bindings: &[
         Binding::read(0, "daa_plan", Slot::Part(Part::Plan)),
         Binding::write(1, "daa_rows", Slot::Part(Part::SampleListRows)),
@@ -47,5 +49,5 @@ pub(crate) static SAMPLES: PassData = PassData {
         Stage::new("daa_list_scan", Grid::One),
         Stage::new("daa_list_samples", Grid::Tiles),
     ],
-    rounds: Rounds::Once,
+    ..LIST
 };

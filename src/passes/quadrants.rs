@@ -39,12 +39,5 @@ pub(crate) static ACTIVE: PassData = PassData {
 };
 
 /// Processes all pixels, since inactive quadrants are interpolated.
-pub(crate) static BETWEEN: PassData = PassData {
-    names: &["quadrants"],
-    kind: PassKind::Quadrants,
-    module: &MODULE,
-    gbuffer: true,
-    bindings: &BINDINGS,
-    stages: &[LISTED, Stage::new("daa_quadrants_between", Grid::Tiles)],
-    rounds: Rounds::Once,
-};
+pub(crate) static BETWEEN: PassData =
+    PassData { stages: &[LISTED, Stage::new("daa_quadrants_between", Grid::Tiles)], ..ACTIVE };

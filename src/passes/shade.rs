@@ -7,20 +7,6 @@ use crate::host::graph::{Grid, Part, PassKind, Rounds, Stage};
 static MODULE: Module =
     Module { name: "shade", base: Base::Shading, chunks: &[include_str!("../../shaders/passes/shade.wgsl")] };
 
-/// Shades every sample for `Full`, which has neither first samples nor a plan.
-pub(crate) static FULL: PassData = PassData {
-    names: &["shade"],
-    kind: PassKind::Shade,
-    module: &MODULE,
-    gbuffer: true,
-    bindings: &[
-        Binding::write(2, "daa_color", Slot::Part(Part::Color)),
-        Binding::write(3, "daa_statistics", Slot::Part(Part::Counters)),
-    ],
-    stages: &[Stage::new("daa_shade_full", Grid::Tiles)],
-    rounds: Rounds::Once,
-};
-
 const PLANNED: [Binding; 4] = [
     Binding::read(0, "daa_first", Slot::Part(Part::First)),
     Binding::read(1, "daa_plan", Slot::Part(Part::Plan)),
@@ -28,24 +14,28 @@ const PLANNED: [Binding; 4] = [
     Binding::write(3, "daa_statistics", Slot::Part(Part::Counters)),
 ];
 
-/// Each pixel shades its own samples.
-pub(crate) static LOOP: PassData = PassData {
+const SHADE: PassData = PassData {
     names: &["shade"],
     kind: PassKind::Shade,
     module: &MODULE,
     gbuffer: true,
     bindings: &PLANNED,
-    stages: &[Stage::new("daa_shade_loop", Grid::Tiles)],
+    stages: &[],
     rounds: Rounds::Once,
 };
 
-/// A tile's samples are shaded end to end.
-pub(crate) static TILED: PassData = PassData {
-    names: &["shade"],
-    kind: PassKind::Shade,
-    module: &MODULE,
-    gbuffer: true,
-    bindings: &PLANNED,
-    stages: &[Stage::new("daa_shade_tiled", Grid::Tiles)],
-    rounds: Rounds::Once,
+/// Shades every sample for `Full`, which has neither first samples nor a plan.
+pub(crate) static FULL: PassData = PassData {
+    bindings: &[
+        Binding::write(2, "daa_color", Slot::Part(Part::Color)),
+        Binding::write(3, "daa_statistics", Slot::Part(Part::Counters)),
+    ],
+    stages: &[Stage::new("daa_shade_full", Grid::Tiles)],
+    ..SHADE
 };
+
+/// Each pixel shades its own samples.
+pub(crate) static LOOP: PassData = PassData { stages: &[Stage::new("daa_shade_loop", Grid::Tiles)], ..SHADE };
+
+/// A tile's samples are shaded end to end.
+pub(crate) static TILED: PassData = PassData { stages: &[Stage::new("daa_shade_tiled", Grid::Tiles)], ..SHADE };

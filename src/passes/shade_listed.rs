@@ -24,37 +24,34 @@ const PIXELS: [Binding; 6] = [
     Binding::read(5, "daa_work", Slot::Part(Part::PixelListWork)),
 ];
 
-/// Runs work 0, the whole list.
-pub(crate) static SORTED: PassData = PassData {
+const SHADE: PassData = PassData {
     names: &["shade"],
     kind: PassKind::Shade,
     module: &MODULE,
     gbuffer: true,
     bindings: &PIXELS,
-    stages: &[Stage::new("daa_shade_pixels", Grid::Indirect { part: Part::PixelListWork, offset: WORK_GROUPS_AT })],
+    stages: &[],
     rounds: Rounds::Once,
+};
+
+/// Runs work 0, the whole list.
+pub(crate) static SORTED: PassData = PassData {
+    stages: &[Stage::new("daa_shade_pixels", Grid::Indirect { part: Part::PixelListWork, offset: WORK_GROUPS_AT })],
+    ..SHADE
 };
 
 /// Runs work r + 1 in round r: row r, the pixels of one k.
 pub(crate) static BUCKETED: PassData = PassData {
-    names: &["shade"],
-    kind: PassKind::Shade,
-    module: &MODULE,
-    gbuffer: true,
-    bindings: &PIXELS,
     stages: &[Stage::new(
         "daa_shade_pixels",
         Grid::Indirect { part: Part::PixelListWork, offset: WORK_BYTES + WORK_GROUPS_AT },
     )],
     rounds: Rounds::Counts,
+    ..SHADE
 };
 
 /// Runs work b + 1 in round b: batch b, whose colours are added up before the next batch replaces them.
 pub(crate) static PACKED: PassData = PassData {
-    names: &["shade"],
-    kind: PassKind::Shade,
-    module: &MODULE,
-    gbuffer: true,
     bindings: &[
         Binding::read(0, "daa_first", Slot::Part(Part::First)),
         Binding::read(1, "daa_plan", Slot::Part(Part::Plan)),
@@ -74,4 +71,5 @@ pub(crate) static PACKED: PassData = PassData {
         Stage { entry: "daa_shade_gather", grid: Grid::Tiles, without: &["daa_statistics", "daa_list"] },
     ],
     rounds: Rounds::Batches,
+    ..SHADE
 };

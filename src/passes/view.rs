@@ -10,104 +10,65 @@ static MODULE: Module = Module {
     chunks: &[include_str!("../../shaders/shared/fullscreen.wgsl"), include_str!("../../shaders/passes/view.wgsl")],
 };
 
-/// A channel of the G-buffer.
-pub(crate) static GBUFFER: PassData = PassData {
-    names: &["view"],
-    kind: PassKind::View,
-    module: &MODULE,
-    gbuffer: true,
-    bindings: &[],
-    stages: &[Stage::new("daa_view_gbuffer", Grid::Target)],
-    rounds: Rounds::Once,
-};
-
-/// The number of surfaces in each window.
-pub(crate) static SURFACES: PassData = PassData {
-    names: &["view"],
-    kind: PassKind::View,
-    module: &MODULE,
-    gbuffer: true,
-    bindings: &[],
-    stages: &[Stage::new("daa_view_surfaces", Grid::Target)],
-    rounds: Rounds::Once,
-};
-
-/// S.
-pub(crate) static FIRST: PassData = PassData {
+const VIEW: PassData = PassData {
     names: &["view"],
     kind: PassKind::View,
     module: &MODULE,
     gbuffer: false,
+    bindings: &[],
+    stages: &[],
+    rounds: Rounds::Once,
+};
+
+/// A channel of the G-buffer.
+pub(crate) static GBUFFER: PassData =
+    PassData { gbuffer: true, stages: &[Stage::new("daa_view_gbuffer", Grid::Target)], ..VIEW };
+
+/// The number of surfaces in each window.
+pub(crate) static SURFACES: PassData =
+    PassData { gbuffer: true, stages: &[Stage::new("daa_view_surfaces", Grid::Target)], ..VIEW };
+
+/// S.
+pub(crate) static FIRST: PassData = PassData {
     bindings: &[Binding::read(0, "daa_first", Slot::Part(Part::First))],
     stages: &[Stage::new("daa_view_first", Grid::Target)],
-    rounds: Rounds::Once,
+    ..VIEW
 };
 
 /// The plan.
 pub(crate) static PLAN: PassData = PassData {
-    names: &["view"],
-    kind: PassKind::View,
-    module: &MODULE,
-    gbuffer: false,
     bindings: &[Binding::read(1, "daa_plan", Slot::Part(Part::Plan))],
     stages: &[Stage::new("daa_view_plan", Grid::Target)],
-    rounds: Rounds::Once,
+    ..VIEW
 };
 
 /// The same for techniques without a plan.
-pub(crate) static UNPLANNED: PassData = PassData {
-    names: &["view"],
-    kind: PassKind::View,
-    module: &MODULE,
-    gbuffer: false,
-    bindings: &[],
-    stages: &[Stage::new("daa_view_unplanned", Grid::Target)],
-    rounds: Rounds::Once,
-};
+pub(crate) static UNPLANNED: PassData = PassData { stages: &[Stage::new("daa_view_unplanned", Grid::Target)], ..VIEW };
 
 /// The tiles for which rays were dispatched.
 pub(crate) static TILES: PassData = PassData {
-    names: &["view"],
-    kind: PassKind::View,
-    module: &MODULE,
-    gbuffer: false,
     bindings: &[Binding::read(2, "daa_tile_lists", Slot::Part(Part::Tiles))],
     stages: &[Stage::new("daa_view_tiles", Grid::Target)],
-    rounds: Rounds::Once,
+    ..VIEW
 };
 
 /// The lights that reach the first samples.
 pub(crate) static SHADOWS: PassData = PassData {
-    names: &["view"],
-    kind: PassKind::View,
-    module: &MODULE,
     gbuffer: true,
     bindings: &[Binding::read(3, "daa_shadows", Slot::Part(Part::Shadows))],
     stages: &[Stage::new("daa_view_shadows", Grid::Target)],
-    rounds: Rounds::Once,
+    ..VIEW
 };
 
 /// The number of rays that the samples sent.
 pub(crate) static RAYS: PassData = PassData {
-    names: &["view"],
-    kind: PassKind::View,
-    module: &MODULE,
-    gbuffer: false,
     bindings: &[
         Binding::read(3, "daa_shadows", Slot::Part(Part::Shadows)),
         Binding::read(4, "daa_reflections", Slot::Part(Part::Reflections)),
     ],
     stages: &[Stage::new("daa_view_rays", Grid::Target)],
-    rounds: Rounds::Once,
+    ..VIEW
 };
 
 /// Views of rays in frames that trace none.
-pub(crate) static NOTHING: PassData = PassData {
-    names: &["view"],
-    kind: PassKind::View,
-    module: &MODULE,
-    gbuffer: false,
-    bindings: &[],
-    stages: &[Stage::new("daa_view_nothing", Grid::Target)],
-    rounds: Rounds::Once,
-};
+pub(crate) static NOTHING: PassData = PassData { stages: &[Stage::new("daa_view_nothing", Grid::Target)], ..VIEW };

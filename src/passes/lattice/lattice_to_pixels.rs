@@ -40,12 +40,4 @@ pub(crate) static FINAL: PassData = PassData {
 };
 
 /// For frames with further refinement: it writes the counts, and `plan` follows.
-pub(crate) static COUNTED: PassData = PassData {
-    names: &["lattice_to_pixels"],
-    kind: PassKind::LatticeToPixels,
-    module: &MODULE,
-    gbuffer: true,
-    bindings: &bindings(true),
-    stages: &[Stage::new("daa_lattice_to_pixels_main", Grid::Tiles)],
-    rounds: Rounds::Once,
-};
+pub(crate) static COUNTED: PassData = PassData { bindings: &bindings(true), ..FINAL };

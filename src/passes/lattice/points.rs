@@ -2,6 +2,7 @@
 
 use crate::gpu::binding::{Binding, PassData, Slot, by_level};
 use crate::gpu::modules::{Base, Module};
+use crate::gpu::sizes::POINTS_BLOCK;
 use crate::host::graph::{Grid, Part, PassKind, Rounds, Stage};
 
 static MODULE: Module = Module {
@@ -15,9 +16,6 @@ static MODULE: Module = Module {
     ],
 };
 
-/// The number of points along one side of a workgroup's block: `DAA_LANE_SIDE` of listing.wgsl for each of 8 lanes.
-pub(crate) const BLOCK: u32 = 32;
-
 pub(crate) static POINTS: PassData = PassData {
     names: by_level!("points"),
     kind: PassKind::Points,
@@ -29,6 +27,6 @@ pub(crate) static POINTS: PassData = PassData {
         Binding::update(2, "daa_lattice_colors", Slot::Part(Part::LatticeColors)),
         Binding::write(3, "daa_statistics", Slot::Part(Part::Counters)),
     ],
-    stages: &[Stage::new("daa_points_main", Grid::Points(BLOCK))],
+    stages: &[Stage::new("daa_points_main", Grid::Points(POINTS_BLOCK))],
     rounds: Rounds::Once,
 };

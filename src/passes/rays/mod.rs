@@ -5,26 +5,35 @@ pub(crate) mod reflect;
 pub(crate) mod trace;
 
 use crate::gpu::binding::{Binding, Slot};
-use crate::gpu::sizes::TILE_CLASSES_BYTES;
+use crate::gpu::sizes::{POINTS_BLOCK, TILE_CLASSES_BYTES};
 use crate::host::graph::{Grid, Part, Stage};
-use crate::passes::lattice::points::BLOCK;
 
-/// The bindings that `trace` and `reflect` share. `found` is the part for their results with its name. `plan`, `tiles`
-/// and `points` say whether the samples follow from these. `earlier` says whether the pass reads the results of earlier
-/// rays.
+/// Which samples cast rays. `plan`, `tiles` and `points` say whether they follow from these. `earlier` says whether the
+/// results of earlier rays are read.
+#[derive(Clone, Copy)]
 pub(crate) struct Cast {
-    pub found: (&'static str, Part),
-    pub plan: bool,
-    pub tiles: bool,
-    pub points: bool,
-    pub earlier: bool,
+    plan: bool,
+    tiles: bool,
+    points: bool,
+    earlier: bool,
 }
 
 impl Cast {
-    /// The bindings in the order of casting.wgsl.
-    pub const fn bindings(self) -> [Binding; 9] {
-        let (name, found) = self.found;
-        let found = Slot::Part(found);
+    /// The first samples of the listed tiles, or all of them.
+    pub const TILES: Self = Self { plan: false, tiles: true, points: false, earlier: false };
+    /// The samples that the plan has beyond the first.
+    pub const PLANNED: Self = Self { plan: true, ..Self::TILES };
+    /// The samples of audited tiles that were not planned.
+    pub const AUDITED: Self = Self { tiles: false, ..Self::PLANNED };
+    /// The geometric samples beyond the first.
+    pub const GEOMETRIC: Self = Self { earlier: true, ..Self::TILES };
+    /// The chosen points of a lattice.
+    pub const POINTS: Self = Self { tiles: false, points: true, ..Self::TILES };
+
+    /// The bindings that `trace` and `reflect` share, in the order of casting.wgsl. `found` is the part for their
+    /// results, with its name.
+    pub const fn bindings(self, found: (&'static str, Part)) -> [Binding; 9] {
+        let (name, found) = (found.0, Slot::Part(found.1));
         [
             Binding::read(0, "daa_ray_nodes", Slot::RayNodes),
             Binding::read(1, "daa_ray_geometry", Slot::RayGeometry),
@@ -52,5 +61,5 @@ pub(crate) const fn over_audited(entry: &'static str) -> Stage {
 
 /// A stage over the chosen points of a lattice.
 pub(crate) const fn over_points(entry: &'static str) -> Stage {
-    Stage::new(entry, Grid::Points(BLOCK))
+    Stage::new(entry, Grid::Points(POINTS_BLOCK))
 }

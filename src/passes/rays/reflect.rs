@@ -13,22 +13,13 @@ static MODULE: Module = Module {
 
 /// The bindings of a pass that casts rays, and the materials that send rays.
 const fn bindings(cast: Cast) -> [Binding; 10] {
-    let [a, b, c, d, e, f, g, h, i] = cast.bindings();
+    let [a, b, c, d, e, f, g, h, i] = cast.bindings(FOUND);
     [a, b, c, d, e, f, g, h, i, Binding::read(9, "daa_reflective", Slot::Reflective)]
 }
 
 const FOUND: (&str, Part) = ("daa_reflections", Part::Reflections);
 
-/// The first samples.
-pub(crate) static FIRST: PassData = PassData {
-    names: &["reflect first"],
-    kind: PassKind::Reflect,
-    module: &MODULE,
-    gbuffer: true,
-    bindings: &bindings(Cast { found: FOUND, plan: false, tiles: true, points: false, earlier: false }),
-    stages: &[over_tiles("daa_reflect_main", 1)],
-    rounds: Rounds::Once,
-};
+const ENTRY: &str = "daa_reflect_main";
 
 /// Every sample, for `Full`.
 pub(crate) static FULL: PassData = PassData {
@@ -36,51 +27,28 @@ pub(crate) static FULL: PassData = PassData {
     kind: PassKind::Reflect,
     module: &MODULE,
     gbuffer: true,
-    bindings: &bindings(Cast { found: FOUND, plan: false, tiles: true, points: false, earlier: false }),
-    stages: &[over_tiles("daa_reflect_main", 1)],
+    bindings: &bindings(Cast::TILES),
+    stages: &[over_tiles(ENTRY, 1)],
     rounds: Rounds::Once,
 };
 
+/// The first samples.
+pub(crate) static FIRST: PassData = PassData { names: &["reflect first"], ..FULL };
+
 /// The samples that the plan has beyond the first.
-pub(crate) static PLANNED: PassData = PassData {
-    names: &["reflect"],
-    kind: PassKind::Reflect,
-    module: &MODULE,
-    gbuffer: true,
-    bindings: &bindings(Cast { found: FOUND, plan: true, tiles: true, points: false, earlier: false }),
-    stages: &[over_tiles("daa_reflect_main", 1)],
-    rounds: Rounds::Once,
-};
+pub(crate) static PLANNED: PassData = PassData { bindings: &bindings(Cast::PLANNED), ..FULL };
 
 /// The samples of audited tiles that were not planned.
 pub(crate) static AUDITED: PassData = PassData {
     names: &["reflect audited"],
-    kind: PassKind::Reflect,
-    module: &MODULE,
-    gbuffer: true,
-    bindings: &bindings(Cast { found: FOUND, plan: true, tiles: false, points: false, earlier: false }),
-    stages: &[over_audited("daa_reflect_main")],
-    rounds: Rounds::Once,
+    bindings: &bindings(Cast::AUDITED),
+    stages: &[over_audited(ENTRY)],
+    ..FULL
 };
 
 /// The geometric samples beyond the first, for `Reconstructed`.
-pub(crate) static GEOMETRIC: PassData = PassData {
-    names: &["reflect"],
-    kind: PassKind::Reflect,
-    module: &MODULE,
-    gbuffer: true,
-    bindings: &bindings(Cast { found: FOUND, plan: false, tiles: true, points: false, earlier: true }),
-    stages: &[over_tiles("daa_reflect_main", 1)],
-    rounds: Rounds::Once,
-};
+pub(crate) static GEOMETRIC: PassData = PassData { bindings: &bindings(Cast::GEOMETRIC), ..FULL };
 
 /// The chosen points of a lattice.
-pub(crate) static POINTS: PassData = PassData {
-    names: by_level!("reflect"),
-    kind: PassKind::Reflect,
-    module: &MODULE,
-    gbuffer: true,
-    bindings: &bindings(Cast { found: FOUND, plan: false, tiles: false, points: true, earlier: false }),
-    stages: &[over_points("daa_reflect_main")],
-    rounds: Rounds::Once,
-};
+pub(crate) static POINTS: PassData =
+    PassData { names: by_level!("reflect"), bindings: &bindings(Cast::POINTS), stages: &[over_points(ENTRY)], ..FULL };

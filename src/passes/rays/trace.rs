@@ -13,16 +13,7 @@ static MODULE: Module = Module {
 
 const FOUND: (&str, Part) = ("daa_shadows", Part::Shadows);
 
-/// The first samples.
-pub(crate) static FIRST: PassData = PassData {
-    names: &["trace first"],
-    kind: PassKind::Trace,
-    module: &MODULE,
-    gbuffer: true,
-    bindings: &Cast { found: FOUND, plan: false, tiles: true, points: false, earlier: false }.bindings(),
-    stages: &[over_tiles("daa_trace_main", 0)],
-    rounds: Rounds::Once,
-};
+const ENTRY: &str = "daa_trace_main";
 
 /// Every sample, for `Full`.
 pub(crate) static FULL: PassData = PassData {
@@ -30,51 +21,32 @@ pub(crate) static FULL: PassData = PassData {
     kind: PassKind::Trace,
     module: &MODULE,
     gbuffer: true,
-    bindings: &Cast { found: FOUND, plan: false, tiles: true, points: false, earlier: false }.bindings(),
-    stages: &[over_tiles("daa_trace_main", 0)],
+    bindings: &Cast::TILES.bindings(FOUND),
+    stages: &[over_tiles(ENTRY, 0)],
     rounds: Rounds::Once,
 };
 
+/// The first samples.
+pub(crate) static FIRST: PassData = PassData { names: &["trace first"], ..FULL };
+
 /// The samples that the plan has beyond the first.
-pub(crate) static PLANNED: PassData = PassData {
-    names: &["trace"],
-    kind: PassKind::Trace,
-    module: &MODULE,
-    gbuffer: true,
-    bindings: &Cast { found: FOUND, plan: true, tiles: true, points: false, earlier: false }.bindings(),
-    stages: &[over_tiles("daa_trace_main", 0)],
-    rounds: Rounds::Once,
-};
+pub(crate) static PLANNED: PassData = PassData { bindings: &Cast::PLANNED.bindings(FOUND), ..FULL };
 
 /// The samples of audited tiles that were not planned.
 pub(crate) static AUDITED: PassData = PassData {
     names: &["trace audited"],
-    kind: PassKind::Trace,
-    module: &MODULE,
-    gbuffer: true,
-    bindings: &Cast { found: FOUND, plan: true, tiles: false, points: false, earlier: false }.bindings(),
-    stages: &[over_audited("daa_trace_main")],
-    rounds: Rounds::Once,
+    bindings: &Cast::AUDITED.bindings(FOUND),
+    stages: &[over_audited(ENTRY)],
+    ..FULL
 };
 
 /// The geometric samples beyond the first, for `Reconstructed`.
-pub(crate) static GEOMETRIC: PassData = PassData {
-    names: &["trace"],
-    kind: PassKind::Trace,
-    module: &MODULE,
-    gbuffer: true,
-    bindings: &Cast { found: FOUND, plan: false, tiles: true, points: false, earlier: true }.bindings(),
-    stages: &[over_tiles("daa_trace_main", 0)],
-    rounds: Rounds::Once,
-};
+pub(crate) static GEOMETRIC: PassData = PassData { bindings: &Cast::GEOMETRIC.bindings(FOUND), ..FULL };
 
 /// The chosen points of a lattice.
 pub(crate) static POINTS: PassData = PassData {
     names: by_level!("trace"),
-    kind: PassKind::Trace,
-    module: &MODULE,
-    gbuffer: true,
-    bindings: &Cast { found: FOUND, plan: false, tiles: false, points: true, earlier: false }.bindings(),
-    stages: &[over_points("daa_trace_main")],
-    rounds: Rounds::Once,
+    bindings: &Cast::POINTS.bindings(FOUND),
+    stages: &[over_points(ENTRY)],
+    ..FULL
 };
