@@ -17,7 +17,7 @@ use crate::host::table::{BINDING_FEATURES, MAX_CLASSES, TextureTier};
 use crate::passes;
 use crate::rays::RayTier;
 use crate::wgsl::{BUILTINS, HostSource, chunk, tokens};
-use crate::{DebugView, DecidedBy, TILE};
+use crate::{DecidedBy, TILE};
 use compare::{constant, parse, rust_layout, wgsl_layout};
 use naga::valid::GlobalUse;
 use std::collections::{BTreeMap, BTreeSet};
@@ -404,27 +404,53 @@ fn deciding_metrics_are_the_shaders() {
     assert_eq!(named.count(), DecidedBy::ALL.len());
 }
 
-/// Each view's number stands in one place: a case with the view's name in its comment, or an entry point whose comment begins with it.
+/// The lanes of each entry point, which no change makes by accident.
 #[test]
-fn debug_views_are_the_shaders_cases() {
-    let text = include_str!("../../shaders/passes/view.wgsl");
-    let mut cases = Vec::new();
-    for line in text.lines() {
-        if let Some((number, rest)) = line.trim().strip_prefix("case ").and_then(|l| l.split_once("u: {"))
-            && let Some((_, comment)) = rest.split_once("// ")
-        {
-            let name = comment.split(|c: char| !c.is_alphanumeric()).next().unwrap_or_default();
-            cases.push((number.parse::<u32>().expect("a number"), name.to_owned()));
+fn workgroups_are_the_shaders() {
+    let tile = [TILE, TILE, 1];
+    let flat = [TILE * TILE, 1, 1];
+    let expected = BTreeMap::from([
+        ("daa_audit_main", flat),
+        ("daa_check_main", tile),
+        ("daa_classify_finish", [1, 1, 1]),
+        ("daa_classify_main", flat),
+        ("daa_first_main", tile),
+        ("daa_lattice_to_pixels_main", flat),
+        ("daa_points_main", tile),
+        ("daa_refine_judge", tile),
+        ("daa_refine_main", tile),
+        ("daa_list_count_pixels", flat),
+        ("daa_list_count_samples", flat),
+        ("daa_list_pixels", flat),
+        ("daa_list_samples", flat),
+        ("daa_list_scan", [256, 1, 1]),
+        ("daa_max_filter_main", tile),
+        ("daa_metrics_main", tile),
+        ("daa_plan_main", flat),
+        ("daa_shade_full", tile),
+        ("daa_shade_gather", tile),
+        ("daa_shade_packed", flat),
+        ("daa_shade_pixels", flat),
+        ("daa_shade_loop", tile),
+        ("daa_shade_tiled", flat),
+        ("daa_reconstruct_main", flat),
+        ("daa_select_main", flat),
+        ("daa_quadrants_active", flat),
+        ("daa_quadrants_between", tile),
+        ("daa_trace_main", flat),
+        ("daa_reflect_main", flat),
+    ]);
+    let mut seen = BTreeSet::new();
+    for (name, module) in modules() {
+        for entry in module.entry_points.iter().filter(|e| e.stage == naga::ShaderStage::Compute) {
+            assert_eq!(expected.get(entry.name.as_str()), Some(&entry.workgroup_size), "{name}: {}", entry.name);
+            seen.insert(entry.name.clone());
         }
     }
-    let views = DebugView::ALL.map(|view| (view as u32, format!("{view:?}")));
-    assert!(views.iter().map(|v| v.0).eq(0..views.len() as u32), "ALL is in order");
-    // The image itself is resolve's.
-    for view in &views[1..] {
-        let entry = format!("/// {}:", view.1);
-        assert!(cases.contains(view) != text.contains(&entry), "{view:?} is shown once");
-    }
-    assert!(cases.iter().all(|case| views.contains(case)), "{cases:?}");
+    assert!(seen.iter().map(String::as_str).eq(expected.keys().copied().collect::<BTreeSet<_>>()), "one is gone");
+    // What follows from TILE = 8: a shift by 3, a mask of 7, 64 windows, and 64 · 63 samples beyond the first.
+    assert_eq!(TILE, 1 << 3);
+    assert_eq!(crate::Windowed::NO_TILE_LIMIT, TILE * TILE * (crate::window::MAX_M.pow(2) - 1));
 }
 
 /// Grids count on these workgroups.
@@ -454,8 +480,6 @@ fn workgroups_are_the_grids() {
     assert!(checked.len() > 25, "{checked:?}");
     let lattice = module(&passes::lattice::points::POINTS, RayInputs::default(), RayTier::Software);
     assert_eq!(constant(&lattice, "DAA_LANE_SIDE") * TILE, POINTS_BLOCK);
-    assert_eq!(TILE, 1 << 3, "a shift by 3, a mask of 7, 64 windows, 64 · 63 samples beyond the first");
-    assert_eq!(crate::Windowed::NO_TILE_LIMIT, TILE * TILE * (crate::window::MAX_M.pow(2) - 1));
 }
 
 /// What a pass reads an indirect dispatch from is where its shader writes it.
