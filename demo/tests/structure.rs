@@ -23,6 +23,25 @@ fn the_library_has_no_import_circles() {
 }
 
 #[test]
+fn passes_know_neither_each_other_nor_the_order_of_a_frame() {
+    let library = Crate::read(&source_folder("../src"));
+    let imports = library.imports();
+    let passes = imports.iter().filter(|(file, _)| file.starts_with("passes/") && **file != "passes/mod.rs");
+    let mut seen = 0;
+    for (pass, files) in passes {
+        let is_own_folder = |file: &str| file.strip_suffix("/mod.rs").is_some_and(|folder| pass.starts_with(folder));
+        let foreign = |file: &&&str| {
+            (file.starts_with("passes/") && !is_own_folder(file))
+                || file.starts_with("techniques/")
+                || **file == "node.rs"
+        };
+        assert_eq!(files.iter().find(foreign), None, "{pass} imports it");
+        seen += 1;
+    }
+    assert!(seen > 16, "{seen} passes");
+}
+
+#[test]
 fn no_folder_of_the_demo_is_crowded() {
     assert_eq!(crowded(&source_folder("src")), Vec::<String>::new());
 }
