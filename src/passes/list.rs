@@ -3,11 +3,12 @@
 use crate::gpu::binding::{Binding, PassData, Slot};
 use crate::gpu::modules::{Base, Module};
 use crate::host::graph::{Grid, Part, PassKind, Rounds, Stage};
+use crate::wgsl::chunk;
 
 static MODULE: Module = Module {
     name: "list",
     base: Base::GBuffer,
-    chunks: &[include_str!("../../shaders/shared/work.wgsl"), include_str!("../../shaders/passes/list.wgsl")],
+    chunks: &[chunk::WORK, include_str!("../../shaders/passes/list.wgsl")],
 };
 
 const LIST: PassData = PassData {

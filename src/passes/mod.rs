@@ -78,7 +78,8 @@ pub(crate) static ALL: &[&PassData] = &[
 /// changed.
 pub fn shader_texts() -> Vec<&'static str> {
     let own = ALL.iter().flat_map(|pass| pass.module.chunks.iter().copied());
-    let mut all: Vec<_> = chunk::ALL.into_iter().chain([include_str!("../../shaders/pack.wgsl")]).chain(own).collect();
+    let mut all: Vec<_> =
+        chunk::ALL.iter().copied().chain([include_str!("../../shaders/pack.wgsl")]).chain(own).collect();
     all.sort_unstable();
     all.dedup();
     all

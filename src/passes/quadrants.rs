@@ -4,15 +4,12 @@ use crate::gpu::binding::{Binding, PassData, Slot};
 use crate::gpu::modules::{Base, Module};
 use crate::gpu::sizes::WORK_GROUPS_AT;
 use crate::host::graph::{Grid, Part, PassKind, Rounds, Stage};
+use crate::wgsl::chunk;
 
 static MODULE: Module = Module {
     name: "quadrants",
     base: Base::Shading,
-    chunks: &[
-        include_str!("../../shaders/shared/ranks.wgsl"),
-        include_str!("../../shaders/shared/work.wgsl"),
-        include_str!("../../shaders/passes/quadrants.wgsl"),
-    ],
+    chunks: &[chunk::RANKS, chunk::WORK, include_str!("../../shaders/passes/quadrants.wgsl")],
 };
 
 const BINDINGS: [Binding; 6] = [

@@ -3,15 +3,12 @@
 use crate::gpu::binding::{Binding, PassData, Slot};
 use crate::gpu::modules::{Base, Module};
 use crate::host::graph::{Grid, Part, PassKind, Rounds, Stage};
+use crate::wgsl::chunk;
 
 static MODULE: Module = Module {
     name: "reconstruct",
     base: Base::Shading,
-    chunks: &[
-        include_str!("../../shaders/shared/ranks.wgsl"),
-        include_str!("../../shaders/shared/bilateral.wgsl"),
-        include_str!("../../shaders/passes/reconstruct.wgsl"),
-    ],
+    chunks: &[chunk::RANKS, chunk::BILATERAL, include_str!("../../shaders/passes/reconstruct.wgsl")],
 };
 
 pub(crate) static RECONSTRUCT: PassData = PassData {

@@ -3,11 +3,12 @@
 use crate::gpu::binding::{Binding, PassData, Slot};
 use crate::gpu::modules::{Base, Module};
 use crate::host::graph::{Grid, Part, PassKind, Rounds, Stage};
+use crate::wgsl::chunk;
 
 static MODULE: Module = Module {
     name: "resolve",
     base: Base::GBuffer,
-    chunks: &[include_str!("../../shaders/shared/fullscreen.wgsl"), include_str!("../../shaders/passes/resolve.wgsl")],
+    chunks: &[chunk::FULLSCREEN, include_str!("../../shaders/passes/resolve.wgsl")],
 };
 
 const RESOLVE: PassData = PassData {

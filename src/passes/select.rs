@@ -3,11 +3,12 @@
 use crate::gpu::binding::{Binding, PassData, Slot};
 use crate::gpu::modules::{Base, Module};
 use crate::host::graph::{Grid, Part, PassKind, Rounds, Stage};
+use crate::wgsl::chunk;
 
 static MODULE: Module = Module {
     name: "select",
     base: Base::Found,
-    chunks: &[include_str!("../../shaders/shared/display.wgsl"), include_str!("../../shaders/passes/select.wgsl")],
+    chunks: &[chunk::DISPLAY, include_str!("../../shaders/passes/select.wgsl")],
 };
 
 pub(crate) static SELECT: PassData = PassData {

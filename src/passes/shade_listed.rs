@@ -4,12 +4,13 @@ use crate::gpu::binding::{Binding, PassData, Slot};
 use crate::gpu::modules::{Base, Module};
 use crate::gpu::sizes::{WORK_BYTES, WORK_GROUPS_AT};
 use crate::host::graph::{Grid, Part, PassKind, Rounds, Stage};
+use crate::wgsl::chunk;
 
 static MODULE: Module = Module {
     name: "shade_listed",
     base: Base::Shading,
     chunks: &[
-        include_str!("../../shaders/shared/work.wgsl"),
+        chunk::WORK,
         include_str!("../../shaders/passes/shade.wgsl"),
         include_str!("../../shaders/passes/shade_listed.wgsl"),
     ],

@@ -1,50 +1,43 @@
 //! The crate's chunks of WGSL that several modules share.
 
-pub(crate) const CONTRACT: &str = include_str!("../../shaders/contract.wgsl");
-pub(crate) const OCTAHEDRAL: &str = include_str!("../../shaders/shared/octahedral.wgsl");
-pub(crate) const FRAME: &str = include_str!("../../shaders/shared/frame.wgsl");
-pub(crate) const PLAN_WORD: &str = include_str!("../../shaders/shared/plan_word.wgsl");
-pub(crate) const SAMPLE: &str = include_str!("../../shaders/shared/sample.wgsl");
-pub(crate) const MEAN: &str = include_str!("../../shaders/shared/mean.wgsl");
-pub(crate) const STATISTICS: &str = include_str!("../../shaders/shared/statistics.wgsl");
-pub(crate) const EVALUATE: &str = include_str!("../../shaders/shared/evaluate.wgsl");
-pub(crate) const SHARED_EXPONENT: &str = include_str!("../../shaders/shared/shared_exponent.wgsl");
-pub(crate) const SHADOWS: &str = include_str!("../../shaders/swap/shadows.wgsl");
-pub(crate) const SHADOWS_NONE: &str = include_str!("../../shaders/swap/shadows_none.wgsl");
-pub(crate) const REFLECTIONS: &str = include_str!("../../shaders/swap/reflections.wgsl");
-pub(crate) const REFLECTIONS_NONE: &str = include_str!("../../shaders/swap/reflections_none.wgsl");
-pub(crate) const TABLE_NONE: &str = include_str!("../../shaders/swap/table_none.wgsl");
-pub(crate) const TABLE_ARRAYS: &str = include_str!("../../shaders/swap/table_arrays.wgsl");
-pub(crate) const TABLE_BINDINGS: &str = include_str!("../../shaders/swap/table_bindings.wgsl");
-pub(crate) const RAYS_SOFTWARE: &str = include_str!("../../shaders/swap/rays_software.wgsl");
-pub(crate) const RAYS_QUERY: &str = include_str!("../../shaders/swap/rays_query.wgsl");
-pub(crate) const RAYS: &str = include_str!("../../shaders/rays/rays.wgsl");
-pub(crate) const CASTING: &str = include_str!("../../shaders/rays/casting.wgsl");
-pub(crate) const LATTICE: &str = include_str!("../../shaders/lattice/lattice.wgsl");
-pub(crate) const LISTING: &str = include_str!("../../shaders/lattice/listing.wgsl");
+macro_rules! chunks {
+    ($($name:ident: $file:literal,)*) => {
+        $(pub(crate) const $name: &str = include_str!(concat!("../../shaders/", $file));)*
 
-/// All chunks.
-pub(crate) const ALL: [&str; 22] = [
-    CONTRACT,
-    OCTAHEDRAL,
-    FRAME,
-    PLAN_WORD,
-    SAMPLE,
-    MEAN,
-    STATISTICS,
-    EVALUATE,
-    SHARED_EXPONENT,
-    SHADOWS,
-    SHADOWS_NONE,
-    REFLECTIONS,
-    REFLECTIONS_NONE,
-    TABLE_NONE,
-    TABLE_ARRAYS,
-    TABLE_BINDINGS,
-    RAYS_SOFTWARE,
-    RAYS_QUERY,
-    RAYS,
-    CASTING,
-    LATTICE,
-    LISTING,
-];
+        /// All chunks.
+        pub(crate) const ALL: &[&str] = &[$($name),*];
+    };
+}
+
+chunks! {
+    CONTRACT: "contract.wgsl",
+    OCTAHEDRAL: "shared/octahedral.wgsl",
+    FRAME: "shared/frame.wgsl",
+    PLAN_WORD: "shared/plan_word.wgsl",
+    SAMPLE: "shared/sample.wgsl",
+    MEAN: "shared/mean.wgsl",
+    STATISTICS: "shared/statistics.wgsl",
+    EVALUATE: "shared/evaluate.wgsl",
+    SHARED_EXPONENT: "shared/shared_exponent.wgsl",
+    RANKS: "shared/ranks.wgsl",
+    WORK: "shared/work.wgsl",
+    BILATERAL: "shared/bilateral.wgsl",
+    DISPLAY: "shared/display.wgsl",
+    FULLSCREEN: "shared/fullscreen.wgsl",
+    SHADOWS: "swap/shadows.wgsl",
+    SHADOWS_NONE: "swap/shadows_none.wgsl",
+    REFLECTIONS: "swap/reflections.wgsl",
+    REFLECTIONS_NONE: "swap/reflections_none.wgsl",
+    TABLE_NONE: "swap/table_none.wgsl",
+    TABLE_ARRAYS: "swap/table_arrays.wgsl",
+    TABLE_BINDINGS: "swap/table_bindings.wgsl",
+    RAYS_SOFTWARE: "swap/rays_software.wgsl",
+    RAYS_QUERY: "swap/rays_query.wgsl",
+    LATTICE_COLORS: "swap/lattice_colors.wgsl",
+    LATTICE_RAYS: "swap/lattice_rays.wgsl",
+    RAYS: "rays/rays.wgsl",
+    CASTING: "rays/casting.wgsl",
+    LATTICE: "lattice/lattice.wgsl",
+    LISTING: "lattice/listing.wgsl",
+    RESIDUAL: "lattice/residual.wgsl",
+}

@@ -3,16 +3,17 @@
 use crate::gpu::binding::{Binding, PassData, Slot};
 use crate::gpu::modules::{Base, Module};
 use crate::host::graph::{Grid, Part, PassKind, Rounds, Stage};
+use crate::wgsl::chunk;
 
 static MODULE: Module = Module {
     name: "lattice_to_pixels",
     base: Base::GBuffer,
     chunks: &[
-        include_str!("../../../shaders/lattice/lattice.wgsl"),
-        include_str!("../../../shaders/swap/lattice_colors.wgsl"),
-        include_str!("../../../shaders/shared/bilateral.wgsl"),
-        include_str!("../../../shaders/shared/display.wgsl"),
-        include_str!("../../../shaders/lattice/residual.wgsl"),
+        chunk::LATTICE,
+        chunk::LATTICE_COLORS,
+        chunk::BILATERAL,
+        chunk::DISPLAY,
+        chunk::RESIDUAL,
         include_str!("../../../shaders/lattice/lattice_to_pixels.wgsl"),
     ],
 };

@@ -4,14 +4,15 @@ use crate::gpu::binding::{Binding, PassData, Slot, by_level};
 use crate::gpu::modules::{Base, Module};
 use crate::gpu::sizes::POINTS_BLOCK;
 use crate::host::graph::{Grid, Part, PassKind, Rounds, Stage};
+use crate::wgsl::chunk;
 
 static MODULE: Module = Module {
     name: "points",
     base: Base::Shading,
     chunks: &[
-        include_str!("../../../shaders/lattice/lattice.wgsl"),
-        include_str!("../../../shaders/swap/lattice_colors.wgsl"),
-        include_str!("../../../shaders/lattice/listing.wgsl"),
+        chunk::LATTICE,
+        chunk::LATTICE_COLORS,
+        chunk::LISTING,
         include_str!("../../../shaders/lattice/points.wgsl"),
     ],
 };

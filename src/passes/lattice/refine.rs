@@ -3,31 +3,20 @@
 use crate::gpu::binding::{Binding, PassData, Slot, by_level};
 use crate::gpu::modules::{Base, Module};
 use crate::host::graph::{Grid, Part, PassKind, Rounds, Stage};
+use crate::wgsl::chunk;
+
+const REFINE: &str = include_str!("../../../shaders/lattice/refine.wgsl");
 
 static OF_COLORS: Module = Module {
     name: "refine",
     base: Base::Found,
-    chunks: &[
-        include_str!("../../../shaders/lattice/lattice.wgsl"),
-        include_str!("../../../shaders/swap/lattice_colors.wgsl"),
-        include_str!("../../../shaders/shared/bilateral.wgsl"),
-        include_str!("../../../shaders/shared/display.wgsl"),
-        include_str!("../../../shaders/lattice/residual.wgsl"),
-        include_str!("../../../shaders/lattice/refine.wgsl"),
-    ],
+    chunks: &[chunk::LATTICE, chunk::LATTICE_COLORS, chunk::BILATERAL, chunk::DISPLAY, chunk::RESIDUAL, REFINE],
 };
 
 static OF_RAYS: Module = Module {
     name: "refine rays",
     base: Base::GBuffer,
-    chunks: &[
-        include_str!("../../../shaders/lattice/lattice.wgsl"),
-        include_str!("../../../shaders/swap/lattice_rays.wgsl"),
-        include_str!("../../../shaders/shared/bilateral.wgsl"),
-        include_str!("../../../shaders/shared/display.wgsl"),
-        include_str!("../../../shaders/lattice/residual.wgsl"),
-        include_str!("../../../shaders/lattice/refine.wgsl"),
-    ],
+    chunks: &[chunk::LATTICE, chunk::LATTICE_RAYS, chunk::BILATERAL, chunk::DISPLAY, chunk::RESIDUAL, REFINE],
 };
 
 /// Refines a lattice by the colours of its points.
