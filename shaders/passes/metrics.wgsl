@@ -148,13 +148,11 @@ fn daa_mixed_shadow(pixel: vec2i) -> bool {
     return mixed && daa_depth_at(vec2u(pixel) * DAA_M + daa_order(0u)) > DAA_SKY_DEPTH;
 }
 
-/// Luminance as the luminance metric sees it: exposed, and on request on the display curve √(x/(1+x)).
+/// Luminance as the luminance metric sees it: exposed, and on request on the display curve.
 fn daa_metric_luminance(pixel: vec2i) -> f32 {
     let last = vec2i(daa_frame.size) - 1;
     let c = textureLoad(daa_first, clamp(pixel, vec2i(0), last), 0).rgb;
-    // The product may be infinite, and ∞/∞ is NaN.
-    let l = min(daa_luminance(c) * daa_frame.exposure, 1e30);
-    return select(l, sqrt(l / (1.0 + l)), daa_flag(DAA_FLAG_LUMINANCE_PERCEPTUAL));
+    return daa_shown(vec3f(daa_luminance(c))).x;
 }
 
 /// The range of luminance over the four direct neighbours, and on request the pixel itself. 0 if it is below the

@@ -5,7 +5,6 @@
 @group(3) @binding(1) var<storage, read_write> daa_plan: array<u32>;
 @group(3) @binding(2) var<storage, read_write> daa_statistics: DaaStatistics;
 
-var<workgroup> daa_group_histogram: array<atomic<u32>, 64>;
 var<workgroup> daa_group_decided: array<atomic<u32>, 7>;
 
 /// One lane plans a whole tile, which needs no barrier. Most tiles have few samples to add.
@@ -43,10 +42,7 @@ fn daa_plan_main(@builtin(global_invocation_id) id: vec3u, @builtin(local_invoca
         atomicAdd(&daa_group_decided[0], ones);
     }
     workgroupBarrier();
-    let windows = atomicLoad(&daa_group_histogram[lane]);
-    if windows > 0u {
-        atomicAdd(&daa_statistics.histogram[lane], windows);
-    }
+    daa_add_histogram(lane);
     if lane < 7u {
         let decided = atomicLoad(&daa_group_decided[lane]);
         if decided > 0u {

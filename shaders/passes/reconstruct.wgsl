@@ -43,10 +43,9 @@ fn daa_reconstruct_sample(pixel: vec2u, i: DaaGeometry) -> DaaReconstructed {
     return r;
 }
 
-/// Luminance on an approximate display curve.
+/// Luminance on the display curve.
 fn daa_shown_luminance(c: vec4f) -> f32 {
-    let l = min(daa_luminance(c.rgb) * daa_frame.exposure, 1e30);
-    return sqrt(l / (1.0 + l));
+    return daa_displayed(vec3f(daa_luminance(c.rgb))).x;
 }
 
 /// The number of samples of its own surface that a window shades. It follows from the luminance range of the four

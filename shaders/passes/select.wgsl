@@ -32,7 +32,6 @@ struct DaaSeen {
 var<workgroup> daa_near: array<DaaSeen, 100>;
 /// The luminances of these pixels and of those around them, 12 × 12.
 var<workgroup> daa_luminances: array<f32, 144>;
-var<workgroup> daa_group_histogram: array<atomic<u32>, 64>;
 var<workgroup> daa_group_quadrants: array<atomic<u32>, 9>;
 
 fn daa_shadow_of(bits: u32) -> u32 {
@@ -280,10 +279,7 @@ fn daa_select_main(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocation
     }
     daa_plan[daa_tile_index(tile.xy) * 64u + lane] = word;
     workgroupBarrier();
-    let windows = atomicLoad(&daa_group_histogram[lane]);
-    if windows > 0u {
-        atomicAdd(&daa_statistics.histogram[lane], windows);
-    }
+    daa_add_histogram(lane);
     if lane < 9u {
         let quadrants = atomicLoad(&daa_group_quadrants[lane]);
         if quadrants > 0u {

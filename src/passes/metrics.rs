@@ -3,9 +3,13 @@
 use crate::gpu::binding::{Binding, PassData, Slot};
 use crate::gpu::modules::{Base, Module};
 use crate::host::graph::{Grid, Part, PassKind, Rounds, Stage};
+use crate::wgsl::chunk;
 
-static MODULE: Module =
-    Module { name: "metrics", base: Base::Found, chunks: &[include_str!("../../shaders/passes/metrics.wgsl")] };
+static MODULE: Module = Module {
+    name: "metrics",
+    base: Base::Found,
+    chunks: &[chunk::DISPLAY, include_str!("../../shaders/passes/metrics.wgsl")],
+};
 
 pub(crate) static METRICS: PassData = PassData {
     names: &["metrics"],

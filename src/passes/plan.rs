@@ -3,9 +3,13 @@
 use crate::gpu::binding::{Binding, PassData, Slot};
 use crate::gpu::modules::{Base, Module};
 use crate::host::graph::{Grid, Part, PassKind, Rounds, Stage};
+use crate::wgsl::chunk;
 
-static MODULE: Module =
-    Module { name: "plan", base: Base::GBuffer, chunks: &[include_str!("../../shaders/passes/plan.wgsl")] };
+static MODULE: Module = Module {
+    name: "plan",
+    base: Base::GBuffer,
+    chunks: &[chunk::HISTOGRAM, include_str!("../../shaders/passes/plan.wgsl")],
+};
 
 pub(crate) static PLAN: PassData = PassData {
     names: &["plan"],

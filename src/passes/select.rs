@@ -8,7 +8,7 @@ use crate::wgsl::chunk;
 static MODULE: Module = Module {
     name: "select",
     base: Base::Found,
-    chunks: &[chunk::DISPLAY, include_str!("../../shaders/passes/select.wgsl")],
+    chunks: &[chunk::DISPLAY, chunk::HISTOGRAM, include_str!("../../shaders/passes/select.wgsl")],
 };
 
 pub(crate) static SELECT: PassData = PassData {

@@ -23,6 +23,7 @@ chunks! {
     WORK: "shared/work.wgsl",
     BILATERAL: "shared/bilateral.wgsl",
     DISPLAY: "shared/display.wgsl",
+    HISTOGRAM: "shared/histogram.wgsl",
     FULLSCREEN: "shared/fullscreen.wgsl",
     SHADOWS: "swap/shadows.wgsl",
     SHADOWS_NONE: "swap/shadows_none.wgsl",
