@@ -1,6 +1,7 @@
 //! Settings as a file, which `view` writes and reads and `render --settings` reads: `{"version": 1, "settings": {…}}`. Settings that
 //! are left out have their defaults. A file with any mistake is refused as a whole; the error names the mistake.
 
+use crate::files;
 use crate::names::did_you_mean;
 use deferred_aa::Settings;
 use serde_json::{Value, json};
@@ -56,10 +57,8 @@ pub fn to_text(settings: &Settings) -> String {
 
 /// Writes a settings file, whole or not at all.
 pub fn save(path: &Path, settings: &Settings) -> Result<(), SettingsFileError> {
-    let file = |source| SettingsFileError::File { path: path.to_owned(), source };
-    let part = path.with_extension("json.part");
-    std::fs::write(&part, to_text(settings)).map_err(file)?;
-    std::fs::rename(&part, path).map_err(file)
+    files::write(path, to_text(settings).as_bytes())
+        .map_err(|source| SettingsFileError::File { path: path.to_owned(), source })
 }
 
 /// Reads a settings file and checks all of it.

@@ -6,7 +6,7 @@ use crate::gpu::sizes::{IMAGE_FORMAT, WORK_BYTES};
 use crate::gpu::uniforms::casting::CastingUniform;
 use crate::gpu::uniforms::frame::FrameUniform;
 use crate::gpu::uniforms::lattice::StepUniform;
-use crate::host::graph::{Part, PassKind, Resource, ResourceSet, Rounds, Stage};
+use crate::host::graph::{Grid, Part, PassKind, Resource, ResourceSet, Rounds, Stage};
 use crate::host::needs::RayInputs;
 use crate::rays::RayTier;
 
@@ -207,7 +207,7 @@ impl PassData {
 
     /// Whether it draws over the target.
     pub fn draws(&self) -> bool {
-        self.stages.iter().any(|stage| stage.grid == crate::host::graph::Grid::Target)
+        self.stages.iter().any(|stage| stage.grid == Grid::Target)
     }
 }
 

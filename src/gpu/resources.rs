@@ -1,6 +1,6 @@
 //! The resources that depend on the size: the memory of the parts, the node's own or lent, and the groups that bind it.
 
-use crate::gpu::binding::{Binding, PassData, Slot};
+use crate::gpu::binding::{Access, Binding, PassData, Slot};
 use crate::gpu::buffers::NodeBuffers;
 use crate::gpu::loans::Loans;
 use crate::gpu::pipelines::{self, Build, Pipeline};
@@ -314,7 +314,7 @@ impl SizedResources {
         ];
         for (binding, part, _, traced) in found.into_iter().filter(|found| found.2) {
             let buffer = self.buffer(part).filter(|_| traced);
-            let buffer = buffer.unwrap_or_else(|| buffers.nothing(crate::gpu::binding::Access::Read));
+            let buffer = buffer.unwrap_or_else(|| buffers.nothing(Access::Read));
             entries.push(wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() });
         }
         let group = build.device.create_bind_group(&wgpu::BindGroupDescriptor {

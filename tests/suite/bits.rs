@@ -141,7 +141,7 @@ fn lines(name: &str, m: u32, tier: RayTier) -> String {
     text
 }
 
-/// What does not depend on the driver: executions but one make the same image and plan, twice the same frame is the same bits.
+/// What does not depend on the driver: all executions but one make the same image and plan.
 fn hold_against_each_other(text: &str) {
     let lines = by_name(text);
     for (name, found) in &lines {
