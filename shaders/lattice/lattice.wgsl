@@ -86,7 +86,7 @@ struct DaaPoint {
 
 fn daa_kept_point(word: u32, point: DaaPoint) -> vec4u {
     let at = point.pixel * DAA_M + daa_order(point.rank);
-    return vec4u(word, bitcast<u32>(daa_depth_at(at)), textureLoad(daa_gbuffer_surface, at, 0).xy);
+    return vec4u(word, bitcast<u32>(daa_depth_at(at)), daa_surface_at(at));
 }
 
 fn daa_is_shifted(l: DaaLattice, row: i32) -> bool {

@@ -9,10 +9,10 @@
 /// Whether a window has more than one material or object.
 fn daa_holds_edge(pixel: vec2u) -> bool {
     let corner = pixel * DAA_M;
-    let identity = textureLoad(daa_gbuffer_surface, corner, 0).y;
+    let identity = daa_identity_at(corner);
     let n = DAA_M * DAA_M;
     for (var i = 1u; i < n; i++) {
-        if textureLoad(daa_gbuffer_surface, corner + vec2u(i % DAA_M, i / DAA_M), 0).y != identity {
+        if daa_identity_at(corner + vec2u(i % DAA_M, i / DAA_M)) != identity {
             return true;
         }
     }

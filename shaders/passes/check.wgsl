@@ -48,8 +48,8 @@ fn daa_checked(at: vec2i) -> DaaChecked {
     let d = daa_depth_at(vec2u(place));
     let valid = inside && d > DAA_SKY_DEPTH && d <= 1.0;
     let position = daa_relative_position(vec2f(place) + 0.5, select(1.0, d, valid));
-    let uv = bitcast<vec2f>(textureLoad(daa_gbuffer_uv, place, 0).xy);
-    let identity = textureLoad(daa_gbuffer_surface, place, 0).y;
+    let uv = daa_uv_at(vec2u(place));
+    let identity = daa_identity_at(vec2u(place));
     return DaaChecked(position, dot(position, daa_frame.camera_forward), uv, identity, valid);
 }
 
@@ -65,10 +65,10 @@ fn daa_on_line(a: DaaChecked, b: DaaChecked, c: DaaChecked) -> bool {
 }
 
 /// Counts how a normal fits the surface that depth shows.
-fn daa_count_normal(first: u32, normal: vec3f, code: u32, plane: vec3f, in_view: mat3x3f) {
+fn daa_count_normal(first: u32, normal: vec3f, unset: bool, plane: vec3f, in_view: mat3x3f) {
     let c = dot(normal, plane);
     daa_count(first, c > 0.7);
-    daa_count(first + DAA_NORMAL_UNSET - DAA_NORMAL_FITS, code == 0u);
+    daa_count(first + DAA_NORMAL_UNSET - DAA_NORMAL_FITS, unset);
     daa_count(first + DAA_NORMAL_IN_VIEW - DAA_NORMAL_FITS, dot(in_view * normal, plane) > 0.7);
     daa_count(first + DAA_NORMAL_FLIPPED - DAA_NORMAL_FITS, c < -0.7);
 }
@@ -109,9 +109,9 @@ fn daa_check_sample(at: vec2i) {
     let up = daa_checked(at - vec2i(0, 1));
     let down = daa_checked(at + vec2i(0, 1));
     daa_count(DAA_STEPS, right.valid && abs(right.depth - here.depth) > 0.1 * abs(here.depth));
-    let gradients = textureLoad(daa_gbuffer_uv, at, 0).zw;
-    daa_count_gradient(here, right, unpack2x16float(gradients.x));
-    daa_count_gradient(here, down, unpack2x16float(gradients.y));
+    let a = daa_attributes_at(vec2u(at));
+    daa_count_gradient(here, right, a.ddx);
+    daa_count_gradient(here, down, a.ddy);
 
     if !daa_on_line(left, here, right) || !daa_on_line(up, here, down) {
         return;
@@ -127,12 +127,8 @@ fn daa_check_sample(at: vec2i) {
     let along = daa_relative_position(vec2f(at) + vec2f(1.5, 0.5), 1.0) - daa_relative_position(vec2f(at) + 0.5, 1.0);
     let x = normalize(along);
     let in_view = mat3x3f(x, cross(x, daa_frame.camera_forward), -daa_frame.camera_forward);
-    let normal = textureLoad(daa_gbuffer_surface, at, 0).x;
-    let geometric = textureLoad(daa_gbuffer_frame, at, 0).x;
-    let shading_normal = daa_octahedral_decode(unpack2x16snorm(normal));
-    daa_count_normal(DAA_NORMAL_FITS, shading_normal, normal, plane, in_view);
-    let geometric_normal = daa_octahedral_decode(unpack4x8snorm(geometric).xy);
-    daa_count_normal(DAA_NORMAL_FITS + 4u, geometric_normal, geometric & 0xffffu, plane, in_view);
+    daa_count_normal(DAA_NORMAL_FITS, a.normal, a.unset.x, plane, in_view);
+    daa_count_normal(DAA_NORMAL_FITS + 4u, a.geometric_normal, a.unset.y, plane, in_view);
 }
 
 @compute @workgroup_size(8, 8)

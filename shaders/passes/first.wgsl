@@ -9,10 +9,10 @@
 fn daa_stands_for_all(pixel: vec2u) -> bool {
     let corner = pixel * DAA_M;
     let far = DAA_M - 1u;
-    let a = textureLoad(daa_gbuffer_surface, corner, 0).xy;
-    let b = textureLoad(daa_gbuffer_surface, corner + vec2u(far, 0u), 0).xy;
-    let c = textureLoad(daa_gbuffer_surface, corner + vec2u(0u, far), 0).xy;
-    let d = textureLoad(daa_gbuffer_surface, corner + far, 0).xy;
+    let a = daa_surface_at(corner);
+    let b = daa_surface_at(corner + vec2u(far, 0u));
+    let c = daa_surface_at(corner + vec2u(0u, far));
+    let d = daa_surface_at(corner + far);
     let depth = vec4f(
         daa_depth_at(corner),
         daa_depth_at(corner + vec2u(far, 0u)),

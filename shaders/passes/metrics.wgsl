@@ -90,7 +90,7 @@ fn daa_normal_cone(corner: vec2u) -> f32 {
     var most = 0u;
     for (var y = 0u; y < DAA_M; y++) {
         for (var x = 0u; x < DAA_M; x++) {
-            let code = textureLoad(daa_gbuffer_surface, corner + vec2u(x, y), 0).x;
+            let code = daa_surface_at(corner + vec2u(x, y)).x;
             let valid = daa_depth(i32(x), i32(y)) > 0.0;
             let n = select(vec3f(0.0), daa_octahedral_decode(unpack2x16snorm(code)), valid);
             least = select(least, min(least, code), valid);
@@ -122,12 +122,12 @@ fn daa_normal_cone(corner: vec2u) -> f32 {
 
 /// Whether the window has more than one material or object. The sky counts as one.
 fn daa_mixed_identity(corner: vec2u) -> bool {
-    let identity = textureLoad(daa_gbuffer_surface, corner, 0).y;
+    let identity = daa_identity_at(corner);
     let sky = daa_depth(0, 0) > 0.0;
     var mixed = false;
     for (var y = 0u; y < DAA_M; y++) {
         for (var x = 0u; x < DAA_M; x++) {
-            mixed = mixed || textureLoad(daa_gbuffer_surface, corner + vec2u(x, y), 0).y != identity;
+            mixed = mixed || daa_identity_at(corner + vec2u(x, y)) != identity;
             mixed = mixed || (daa_depth(i32(x), i32(y)) > 0.0) != sky;
         }
     }

@@ -57,7 +57,7 @@ fn daa_seen(pixel: vec2u, kind: u32) -> vec4u {
     if daa_depth_at(at) <= DAA_SKY_DEPTH {
         return nothing;
     }
-    let surface = textureLoad(daa_gbuffer_surface, at, 0).xy;
+    let surface = daa_surface_at(at);
     return daa_hit(surface.y >> 16u, surface.y & 0xffffu, surface.x, daa_shadow_bits(pixel, 0u));
 }
 

@@ -33,7 +33,7 @@ fn daa_surfaces(pixel: vec2u) -> u32 {
             sky = 1u;
             continue;
         }
-        let identity = textureLoad(daa_gbuffer_surface, at, 0).y;
+        let identity = daa_identity_at(at);
         var i = 0u;
         while i < different && identities[i] != identity {
             i++;

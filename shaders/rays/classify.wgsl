@@ -34,7 +34,7 @@ fn daa_classify_main(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocati
         for (var i = 0u; i < DAA_M * DAA_M && found != wanted; i++) {
             let at = pixel * DAA_M + vec2u(i % DAA_M, i / DAA_M);
             if daa_depth_at(at) > DAA_SKY_DEPTH {
-                let material = textureLoad(daa_gbuffer_surface, at, 0).y & 0xffffu;
+                let material = daa_identity_at(at) & 0xffffu;
                 found |= 1u | (((daa_reflective[material >> 5u] >> (material & 31u)) & 1u) << 1u);
             }
         }

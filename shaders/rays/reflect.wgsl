@@ -148,7 +148,7 @@ var<workgroup> daa_group_rays: array<vec2u, 64>;
 
 /// Whether the material of a sample sends rays.
 fn daa_sends_rays(pixel: vec2u, rank: u32) -> bool {
-    let material = textureLoad(daa_gbuffer_surface, pixel * DAA_M + daa_order(rank), 0).y & 0xffffu;
+    let material = daa_identity_at(pixel * DAA_M + daa_order(rank)) & 0xffffu;
     return (daa_reflective[material >> 5u] & (1u << (material & 31u))) != 0u;
 }
 

@@ -17,9 +17,9 @@ fn daa_begin(index: u32) {}
 /// Whether the shadow bits of a window's samples may differ: the window has two surfaces, or the first samples of the
 /// windows around it differ in shadow or identity.
 fn daa_worth_tracing(pixel: vec2u) -> bool {
-    let identity = textureLoad(daa_gbuffer_surface, pixel * DAA_M + daa_order(0u), 0).y;
+    let identity = daa_identity_at(pixel * DAA_M + daa_order(0u));
     for (var rank = 1u; rank < daa_frame.reconstruct.samples; rank++) {
-        if textureLoad(daa_gbuffer_surface, pixel * DAA_M + daa_order(rank), 0).y != identity {
+        if daa_identity_at(pixel * DAA_M + daa_order(rank)) != identity {
             return true;
         }
     }
@@ -27,7 +27,7 @@ fn daa_worth_tracing(pixel: vec2u) -> bool {
     let last = vec2i(daa_frame.size) - 1;
     for (var i = 0; i < 9; i++) {
         let at = vec2u(clamp(vec2i(pixel) + vec2i(i % 3, i / 3) - 1, vec2i(0), last));
-        let other = textureLoad(daa_gbuffer_surface, at * DAA_M + daa_order(0u), 0).y;
+        let other = daa_identity_at(at * DAA_M + daa_order(0u));
         if daa_shadows[daa_sample_index(at, 0u)] != bits || other != identity {
             return true;
         }

@@ -14,7 +14,7 @@ struct DaaGeometry {
 
 fn daa_geometry(pixel: vec2u, rank: u32) -> DaaGeometry {
     let at = pixel * DAA_M + daa_order(rank);
-    let surface = textureLoad(daa_gbuffer_surface, at, 0).xy;
+    let surface = daa_surface_at(at);
     return daa_geometry_of(pixel, rank, daa_depth_at(at), surface);
 }
 

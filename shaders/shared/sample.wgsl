@@ -1,10 +1,7 @@
-// Reads the G-buffer into the `DaaSample` of a pixel and a rank.
+// Reads the G-buffer into the `DaaSample` of a pixel and a rank. The files of shaders/gbuffer read what lies there.
 
 // GLSL can't load from `texture_depth_2d`.
 @group(0) @binding(1) var daa_gbuffer_depth: texture_2d<f32>;
-@group(0) @binding(2) var daa_gbuffer_surface: texture_2d<u32>;
-@group(0) @binding(3) var daa_gbuffer_frame: texture_2d<u32>;
-@group(0) @binding(4) var daa_gbuffer_uv: texture_2d<u32>;
 
 /// Depths below this are the sky. It lies above every denormal, so that flushing denormals to 0 changes nothing.
 const DAA_SKY_DEPTH: f32 = 1e-30;
@@ -12,6 +9,22 @@ const DAA_SKY_DEPTH: f32 = 1e-30;
 /// The depth of the sample there: 1 is near, 0 far.
 fn daa_depth_at(at: vec2u) -> f32 {
     return textureLoad(daa_gbuffer_depth, at, 0).x;
+}
+
+/// The attributes of a sample of the G-buffer, which `daa_attributes_at` reads.
+struct DaaAttributes {
+    normal: vec3f,
+    /// material | object << 16.
+    identity: u32,
+    geometric_normal: vec3f,
+    user: u32,
+    tangent: vec4f,
+    uv: vec2f,
+    /// Gradients of uv per sample of the G-buffer.
+    ddx: vec2f,
+    ddy: vec2f,
+    /// Whether the normal and the geometric normal were never written.
+    unset: vec2<bool>,
 }
 
 /// The index of a sample among all samples, rank by rank and tile by tile.
@@ -56,9 +69,7 @@ fn daa_relative_position(xy: vec2f, d: f32) -> vec3f {
 /// samples.
 fn daa_fetch(pixel: vec2u, rank: u32, footprint: f32, offset: vec2f) -> DaaSample {
     let at = pixel * DAA_M + daa_order(rank);
-    let surface = textureLoad(daa_gbuffer_surface, at, 0).xy;
-    let frame = textureLoad(daa_gbuffer_frame, at, 0).xy;
-    let uv = textureLoad(daa_gbuffer_uv, at, 0);
+    let a = daa_attributes_at(at);
     let d = daa_depth_at(at);
     let valid = d > DAA_SKY_DEPTH;
 
@@ -72,17 +83,15 @@ fn daa_fetch(pixel: vec2u, rank: u32, footprint: f32, offset: vec2f) -> DaaSampl
     s.relative_position = relative;
     s.position = relative + daa_frame.camera_position;
     s.depth = select(0.0, dot(relative, daa_frame.camera_forward), valid);
-    s.normal = daa_octahedral_decode(unpack2x16snorm(surface.x));
-    s.geometric_normal = daa_octahedral_decode(unpack4x8snorm(frame.x).xy);
-    s.tangent = daa_tangent_decode(s.normal, frame.x >> 16u);
-    s.material = surface.y & 0xffffu;
-    s.object = surface.y >> 16u;
-    s.user = frame.y;
-    let ddx = unpack2x16float(uv.z);
-    let ddy = unpack2x16float(uv.w);
-    s.uv = bitcast<vec2f>(uv.xy) + ddx * offset.x + ddy * offset.y;
-    s.ddx = ddx * footprint;
-    s.ddy = ddy * footprint;
+    s.normal = a.normal;
+    s.geometric_normal = a.geometric_normal;
+    s.tangent = a.tangent;
+    s.material = a.identity & 0xffffu;
+    s.object = a.identity >> 16u;
+    s.user = a.user;
+    s.uv = a.uv + a.ddx * offset.x + a.ddy * offset.y;
+    s.ddx = a.ddx * footprint;
+    s.ddy = a.ddy * footprint;
     // Tiles with nothing but sky are not traced, and hold no bits.
     s.shadow = select(0u, daa_shadow_bits(pixel, rank), valid);
     let code = daa_reflection_code(pixel, rank);

@@ -63,12 +63,15 @@ fn frame(inputs: RayInputs) -> Vec<&'static str> {
 }
 
 /// The chunks that read samples.
-fn samples(inputs: RayInputs) -> [&'static str; 7] {
+fn samples(inputs: RayInputs) -> [&'static str; 10] {
     [
         chunk::OCTAHEDRAL,
         chunk::FRAME,
         chunk::PLAN_WORD,
         chunk::SAMPLE,
+        chunk::STORED_FRAME,
+        chunk::STORED_UV,
+        chunk::STORED,
         chunk::SHARED_EXPONENT,
         if inputs.shadows { chunk::SHADOWS } else { chunk::SHADOWS_NONE },
         if inputs.reflections { chunk::REFLECTIONS } else { chunk::REFLECTIONS_NONE },

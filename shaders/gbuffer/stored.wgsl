@@ -1,0 +1,34 @@
+// Reads a stored G-buffer: the attributes of each sample, as pack.wgsl wrote them.
+
+@group(0) @binding(2) var daa_gbuffer_surface: texture_2d<u32>;
+
+/// The code of the normal, and material | object << 16. Both are 0 where the host has drawn nothing.
+fn daa_surface_at(at: vec2u) -> vec2u {
+    return textureLoad(daa_gbuffer_surface, at, 0).xy;
+}
+
+/// material | object << 16.
+fn daa_identity_at(at: vec2u) -> u32 {
+    return textureLoad(daa_gbuffer_surface, at, 0).y;
+}
+
+fn daa_uv_at(at: vec2u) -> vec2f {
+    return bitcast<vec2f>(daa_stored_uv(at).xy);
+}
+
+fn daa_attributes_at(at: vec2u) -> DaaAttributes {
+    let surface = daa_surface_at(at);
+    let frame = daa_stored_frame(at);
+    let uv = daa_stored_uv(at);
+    var a: DaaAttributes;
+    a.normal = daa_octahedral_decode(unpack2x16snorm(surface.x));
+    a.identity = surface.y;
+    a.geometric_normal = daa_octahedral_decode(unpack4x8snorm(frame.x).xy);
+    a.user = frame.y;
+    a.tangent = daa_tangent_decode(a.normal, frame.x >> 16u);
+    a.uv = bitcast<vec2f>(uv.xy);
+    a.ddx = unpack2x16float(uv.z);
+    a.ddy = unpack2x16float(uv.w);
+    a.unset = vec2<bool>(surface.x == 0u, (frame.x & 0xffffu) == 0u);
+    return a;
+}
