@@ -7,7 +7,9 @@ use deferred_aa::glam::{self, Affine3A, Mat4, Vec3, vec3};
 use deferred_aa::rays::{BottomLevel, Instance, Mesh, RayScene, RayTier};
 use deferred_aa::reference::metrics::Input;
 use deferred_aa::reference::plan;
-use deferred_aa::{Camera, DeferredAa, Descriptor, Frame, Settings, Shading, Technique, TextureTier, Windowed, wgpu};
+use deferred_aa::{
+    Camera, DeferredAa, Descriptor, Frame, GBufferTier, Settings, Shading, Technique, TextureTier, Windowed, wgpu,
+};
 use deferred_aa_demo::gpu::{self, Gpu};
 use deferred_aa_demo::host::{self, SHADING_WGSL};
 use std::hint::black_box;
@@ -69,9 +71,11 @@ fn rays(c: &mut Criterion) {
     group.bench_function("bottom level", |b| b.iter(|| BottomLevel::build(black_box(&mesh))));
 
     let built = BottomLevel::build(&mesh).expect("a sound mesh");
-    let gpu =
-        Gpu::new(gpu::choose(None).expect("an adapter"), &host::descriptor(4, TextureTier::Arrays, RayTier::Software))
-            .expect("a device");
+    let gpu = Gpu::new(
+        gpu::choose(None).expect("an adapter"),
+        &host::descriptor(4, TextureTier::Arrays, RayTier::Software, GBufferTier::default()),
+    )
+    .expect("a device");
     let (device, queue) = (&gpu.device, &gpu.queue);
     let mut scene = RayScene::new(device, RayTier::Software);
     let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());

@@ -2,7 +2,7 @@
 //! frame in turn, on the built-in atrium. Ratios hold where milliseconds drift. `cargo bench --bench supersampling`
 
 use deferred_aa::rays::RayTier;
-use deferred_aa::{Preset, Settings, Technique, TextureTier};
+use deferred_aa::{GBufferTier, Preset, Settings, Technique, TextureTier};
 use deferred_aa_demo::gpu::{self, Gpu};
 use deferred_aa_demo::host::{self, Host, Options, Shot};
 use deferred_aa_demo::scene::builtin::builtin;
@@ -56,11 +56,19 @@ struct Ratios {
 
 fn case(adapter: wgpu::Adapter, m: u32, stall: u32) -> Result<(), Box<dyn Error>> {
     let textures = TextureTier::Arrays;
-    let gpu = Gpu::new(adapter, &host::descriptor(m, textures, RayTier::Software))?;
+    let gpu = Gpu::new(adapter, &host::descriptor(m, textures, RayTier::Software, GBufferTier::default()))?;
     let scene = builtin(SCENE).ok_or("no such scene")?;
     let camera = scene.default_camera();
-    let options =
-        Options { width: SIZE.0, height: SIZE.1, m, textures, stall, anisotropy: 16, rays: RayTier::Software };
+    let options = Options {
+        width: SIZE.0,
+        height: SIZE.1,
+        m,
+        textures,
+        stall,
+        anisotropy: 16,
+        rays: RayTier::Software,
+        gbuffer: GBufferTier::default(),
+    };
     let mut host = Host::new(gpu, scene, options)?;
     let full = Settings { technique: Technique::Full, ..Default::default() };
     let mut all = Preset::ALL.map(|_| Ratios::default());

@@ -8,7 +8,7 @@ use deferred_aa::{Camera, DeferredAa, Descriptor, Frame, GBuffer, Settings, Shad
 pub const SIZE: wgpu::Extent3d = wgpu::Extent3d { width: 256, height: 192, depth_or_array_layers: 1 };
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 
-/// The host's raster shader, joined with `gbuffer::PACK_WGSL`. `daa_pack` packs each fragment into the G-buffer.
+/// The host's raster shader, joined with `GBufferTier::pack_wgsl`. `daa_pack` packs each fragment into the G-buffer.
 const RASTER: &str = "
 @group(0) @binding(0) var<uniform> clip_from_view: mat4x4f;
 struct Blade { @builtin(position) clip: vec4f, @location(0) normal: vec3f, @location(1) @interpolate(flat) object: u32 }
@@ -58,10 +58,10 @@ pub fn render(settings: Settings) -> Result<(Vec<u8>, Statistics), Box<dyn std::
     let mut aa = DeferredAa::new(&device, &node, Some(&layout))?;
     aa.resize(&device, SIZE.width, SIZE.height)?;
     // The host's own pipeline and uniforms.
-    let source = wgpu::ShaderSource::Wgsl([deferred_aa::gbuffer::PACK_WGSL, RASTER].join("\n").into());
+    let source = wgpu::ShaderSource::Wgsl([&node.gbuffer.pack_wgsl(), RASTER].join("\n").into());
     let module = &device.create_shader_module(wgpu::ShaderModuleDescriptor { label: None, source });
     let options = wgpu::PipelineCompilationOptions::default;
-    let targets = &GBuffer::color_targets();
+    let targets = &node.gbuffer.color_targets();
     let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: None,
         layout: None,

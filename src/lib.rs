@@ -26,7 +26,7 @@
 //! 2. [`DeferredAa::new`] takes the host's WGSL ([`Shading`]) and checks it; [`DeferredAa::resize`] creates the
 //!    [`GBuffer`].
 //! 3. Each frame the host renders into the G-buffer, with fragment shaders that pack their output with
-//!    [`gbuffer::PACK_WGSL`], and calls [`DeferredAa::record`].
+//!    [`GBufferTier::pack_wgsl`], and calls [`DeferredAa::record`].
 //!
 //! While a host is being written, [`DeferredAa::check_input`] finds probable mistakes in its input. A frame graph
 //! records the [`DeferredAa::passes`] itself, and may [lend](DeferredAa::lend) its memory for the resources between
@@ -70,7 +70,7 @@ pub use host::error::{
     BuildError, LendError, PipelineError, RecordError, ShadingError, ShadingErrorKind, SizeError, TableError,
 };
 pub use host::frame::{Camera, Frame};
-pub use host::gbuffer::{self, GBuffer};
+pub use host::gbuffer::{self, Channels, GBuffer, GBufferTier};
 pub use host::graph::{
     Grid, LatticeShape, Lifetime, Part, PartInfo, PartKind, PassInfo, PassKind, Resource, ResourceSet, Rounds, Stage,
 };

@@ -21,7 +21,7 @@ use crate::host::check::{InputMistake, InputReport, encodes};
 use crate::host::descriptor::{Descriptor, Shading};
 use crate::host::error::{BuildError, LendError, RecordError, ShadingError, SizeError, TableError};
 use crate::host::frame::Frame;
-use crate::host::gbuffer::GBuffer;
+use crate::host::gbuffer::{Channels, GBuffer, GBufferTier};
 use crate::host::graph::{Grid, Part, PartInfo, PassInfo, PassKind, Resource, Stage};
 use crate::host::intermediates::Intermediates;
 use crate::host::needs::{Needs, RayInputs};
@@ -108,14 +108,21 @@ impl DeferredAa {
         }
         let Shading { source, file } = descriptor.shading;
         let host = HostSource::check(source, file, descriptor.textures, device.features())?;
+        if let GBufferTier::Stored(channels) = descriptor.gbuffer {
+            host.check_channels(file, channels)?;
+            if let (Some(_), Channels { geometric_normal: false, .. }) = (descriptor.rays, channels) {
+                return Err(BuildError::RayChannel);
+            }
+        }
         let tables = Tables::new(device, descriptor.textures, descriptor.texture_capacity);
         let build = Build {
             device: device.clone(),
             m: descriptor.m,
             host,
             target_format: descriptor.target_format,
+            gbuffer: descriptor.gbuffer,
             rays: descriptor.rays,
-            frame_layouts: RayInputs::ALL.map(|inputs| frame_layout(device, inputs)),
+            frame_layouts: RayInputs::ALL.map(|inputs| frame_layout(device, descriptor.gbuffer, inputs)),
             table_layout: tables.as_ref().map(|t| t.layout.clone()),
             host_layout: host_layout.cloned(),
         };
@@ -149,6 +156,11 @@ impl DeferredAa {
         self.build().m
     }
 
+    /// How the G-buffer keeps its samples.
+    pub fn gbuffer_tier(&self) -> GBufferTier {
+        self.build().gbuffer
+    }
+
     fn build(&self) -> &Build {
         &self.pipelines.build
     }
@@ -166,7 +178,7 @@ impl DeferredAa {
         let shape = self.shape(size, &Settings::default(), RayInputs::default());
         let resources = SizedResources::new(device, &shape, Loans::default(), None);
         if let Some(e) = pipelines::ready(scope.pop()) {
-            let bytes = sizes::gbuffer_bytes(size, m) + sizes::scratch_bytes(size);
+            let bytes = sizes::gbuffer_bytes(size, m, self.build().gbuffer) + sizes::scratch_bytes(size);
             return Err(SizeError::OutOfMemory { width, height, m, bytes, message: e.to_string() });
         }
         self.prepared = None;
@@ -180,6 +192,7 @@ impl DeferredAa {
             size,
             m: self.build().m,
             target_format: self.build().target_format,
+            gbuffer: self.build().gbuffer,
             inputs,
             hits: technique.reads_hits(),
             rays: settings.view == DebugView::Rays,
@@ -386,6 +399,7 @@ impl DeferredAa {
         uniform.set_order(m, &technique.order(settings, m));
         technique.uniform(settings, m, effort, &mut uniform);
         let inputs = RayInputs::of(settings, &frame.needs);
+        self.check_scene(frame, uniform.camera_position.into())?;
         let casting = self.casting(frame, inputs, uniform.camera_position.into())?;
         let steps = techniques::steps(settings, inputs);
         let shape = self.shape(size, settings, inputs);
@@ -431,7 +445,8 @@ impl DeferredAa {
     /// before had the same.
     fn prepare(&mut self, frame: &Frame<'_>, steps: Vec<Step>, shape: &Shape) -> Result<(), RecordError> {
         let inputs = shape.inputs;
-        let scene = frame.needs.rays.filter(|_| inputs.any()).map(RayScene::generation);
+        let visible = self.build().gbuffer == GBufferTier::Visibility;
+        let scene = frame.needs.rays.filter(|_| inputs.any() || visible).map(RayScene::generation);
         // While pipelines of a larger set serve, the frame's own may come at any time.
         let is_same = |p: &Prepared| p.steps == steps && p.shape == *shape && p.scene == scene && p.set == inputs;
         if self.prepared.as_ref().is_some_and(is_same) {
@@ -469,7 +484,8 @@ impl DeferredAa {
             let (found, compiled) = if data.reads_found() { (inputs, set) } else { Default::default() };
             let hosts = binds_host(data.module.base, &build.host);
             let hosts = [hosts && tables.is_some(), hosts && build.host_layout.is_some()];
-            Ok(ReadyPass { pass, frame: resources.frame(build, buffers, found, compiled), hosts, stages })
+            let frame = resources.frame(build, buffers, found, compiled, frame.needs.rays);
+            Ok(ReadyPass { pass, frame, hosts, stages })
         };
         let passes = passes(settings, inputs, steps.clone()).map(make_ready).collect::<Result<_, RecordError>>()?;
         self.prepared = Some(Prepared { steps, shape: *shape, scene, set, passes });
@@ -508,6 +524,19 @@ impl DeferredAa {
         Ok(())
     }
 
+    /// Checks that the frame has what a visibility buffer is read with.
+    fn check_scene(&self, frame: &Frame<'_>, camera: glam::Vec3) -> Result<(), RecordError> {
+        if self.build().gbuffer != GBufferTier::Visibility {
+            return Ok(());
+        }
+        let scene = frame.needs.rays.filter(|scene| scene.visibility_buffers().is_some());
+        let scene = scene.ok_or(RecordError::NoVisibleScene)?;
+        if scene.camera() != camera {
+            return Err(RecordError::RayCamera { scene: scene.camera(), camera });
+        }
+        Ok(())
+    }
+
     /// The lights that cast shadows, `None` if the frame traces nothing. Checks what tracing needs.
     fn casting(
         &self,
@@ -520,7 +549,7 @@ impl DeferredAa {
         }
         let node = self.build().rays.ok_or(RecordError::NoRays)?;
         let scene = frame.needs.rays.ok_or(RecordError::NoRayScene)?;
-        if scene.tier() != node {
+        if scene.tier() != Some(node) {
             return Err(RecordError::RayTier { scene: scene.tier(), node });
         }
         if scene.camera() != camera {
@@ -539,11 +568,12 @@ impl DeferredAa {
         encoder: &mut wgpu::CommandEncoder,
         frame: &Frame<'_>,
     ) -> Result<(), RecordError> {
+        let size = self.resources.as_ref().ok_or(RecordError::NoSize)?.size;
+        let mut uniform = FrameUniform::new(frame, size, Audited::of(self.frame, size))?;
+        self.check_scene(frame, uniform.camera_position.into())?;
         let Self { pipelines, buffers, resources, .. } = self;
         let build = &pipelines.build;
         let resources = resources.as_mut().ok_or(RecordError::NoSize)?;
-        let size = resources.size;
-        let mut uniform = FrameUniform::new(frame, size, Audited::of(self.frame, size))?;
         uniform.set_order(build.m, &techniques::of(frame.settings.technique).order(&frame.settings, build.m));
         let check = self.check.get_or_insert_with(|| InputCheck::new(&build.device));
         check.poll(build.m);
@@ -560,7 +590,7 @@ impl DeferredAa {
         }
         // This slot lies beyond those of the frames.
         buffers.frames.write(queue, FRAMES, 0, &uniform);
-        let group = resources.frame(build, buffers, RayInputs::default(), RayInputs::default());
+        let group = resources.frame(build, buffers, RayInputs::default(), RayInputs::default(), frame.needs.rays);
         check.record(encoder, pipelines, (&group, buffers.frames.offset(FRAMES, 0)), size, mistakes)
     }
 

@@ -1,7 +1,7 @@
 //! The peers and the oracle on a scene: do they mean what they say?
 
 use deferred_aa::rays::RayTier;
-use deferred_aa::{Settings, Technique, TextureTier};
+use deferred_aa::{GBufferTier, Settings, Technique, TextureTier};
 use deferred_aa_demo::gpu::{self, Gpu};
 use deferred_aa_demo::host::{self, Host, Options};
 use deferred_aa_demo::oracle::{self, Windows};
@@ -15,10 +15,21 @@ const HEIGHT: u32 = 90;
 const M: u32 = 4;
 
 fn host(scene: &str, width: u32, height: u32, m: u32) -> Host {
-    let gpu =
-        Gpu::new(gpu::choose(None).unwrap(), &host::descriptor(m, TextureTier::Arrays, RayTier::Software)).unwrap();
-    let options =
-        Options { width, height, m, textures: TextureTier::Arrays, stall: 1, anisotropy: 16, rays: RayTier::Software };
+    let gpu = Gpu::new(
+        gpu::choose(None).unwrap(),
+        &host::descriptor(m, TextureTier::Arrays, RayTier::Software, GBufferTier::default()),
+    )
+    .unwrap();
+    let options = Options {
+        width,
+        height,
+        m,
+        textures: TextureTier::Arrays,
+        stall: 1,
+        anisotropy: 16,
+        rays: RayTier::Software,
+        gbuffer: GBufferTier::default(),
+    };
     Host::new(gpu, builtin(scene).unwrap(), options).unwrap()
 }
 

@@ -16,11 +16,13 @@ fn daa_uv_at(at: vec2u) -> vec2f {
     return bitcast<vec2f>(daa_stored_uv(at).xy);
 }
 
-fn daa_attributes_at(at: vec2u) -> DaaAttributes {
+/// `d` is the sample's depth.
+fn daa_attributes_at(at: vec2u, d: f32) -> DaaAttributes {
     let surface = daa_surface_at(at);
     let frame = daa_stored_frame(at);
     let uv = daa_stored_uv(at);
     var a: DaaAttributes;
+    a.relative_position = daa_relative_position(vec2f(at) + 0.5, select(1.0, d, d > DAA_SKY_DEPTH));
     a.normal = daa_octahedral_decode(unpack2x16snorm(surface.x));
     a.identity = surface.y;
     a.geometric_normal = daa_octahedral_decode(unpack4x8snorm(frame.x).xy);
@@ -29,6 +31,7 @@ fn daa_attributes_at(at: vec2u) -> DaaAttributes {
     a.uv = bitcast<vec2f>(uv.xy);
     a.ddx = unpack2x16float(uv.z);
     a.ddy = unpack2x16float(uv.w);
-    a.unset = vec2<bool>(surface.x == 0u, (frame.x & 0xffffu) == 0u);
+    a.normal_unset = surface.x == 0u;
+    a.geometric_normal_unset = (frame.x & 0xffffu) == 0u;
     return a;
 }

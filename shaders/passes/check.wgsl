@@ -109,7 +109,7 @@ fn daa_check_sample(at: vec2i) {
     let up = daa_checked(at - vec2i(0, 1));
     let down = daa_checked(at + vec2i(0, 1));
     daa_count(DAA_STEPS, right.valid && abs(right.depth - here.depth) > 0.1 * abs(here.depth));
-    let a = daa_attributes_at(vec2u(at));
+    let a = daa_attributes_at(vec2u(at), d);
     daa_count_gradient(here, right, a.ddx);
     daa_count_gradient(here, down, a.ddy);
 
@@ -127,8 +127,8 @@ fn daa_check_sample(at: vec2i) {
     let along = daa_relative_position(vec2f(at) + vec2f(1.5, 0.5), 1.0) - daa_relative_position(vec2f(at) + 0.5, 1.0);
     let x = normalize(along);
     let in_view = mat3x3f(x, cross(x, daa_frame.camera_forward), -daa_frame.camera_forward);
-    daa_count_normal(DAA_NORMAL_FITS, a.normal, a.unset.x, plane, in_view);
-    daa_count_normal(DAA_NORMAL_FITS + 4u, a.geometric_normal, a.unset.y, plane, in_view);
+    daa_count_normal(DAA_NORMAL_FITS, a.normal, a.normal_unset, plane, in_view);
+    daa_count_normal(DAA_NORMAL_FITS + 4u, a.geometric_normal, a.geometric_normal_unset, plane, in_view);
 }
 
 @compute @workgroup_size(8, 8)

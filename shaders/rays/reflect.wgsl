@@ -50,20 +50,21 @@ fn daa_met(pixel: vec2u, rank: u32, ray: DaaRay, hit: DaaHit, cone: DaaCone) -> 
     let a = bitcast<vec3f>(v0.xyz);
     let e1 = bitcast<vec3f>(daa_ray_geometry[corners.y].xyz) - a;
     let e2 = bitcast<vec3f>(daa_ray_geometry[corners.z].xyz) - a;
-    let t0 = daa_ray_geometry[corners.x + names.w];
-    let t1 = daa_ray_geometry[corners.y + names.w];
-    let t2 = daa_ray_geometry[corners.z + names.w];
+    let users = vec3u(v0.w, daa_ray_geometry[corners.y].w, daa_ray_geometry[corners.z].w);
+    let t = daa_triangle_attributes(
+        daa_ray_geometry[corners.x + names.w],
+        daa_ray_geometry[corners.y + names.w],
+        daa_ray_geometry[corners.z + names.w],
+        users,
+    );
     let w = vec3f(1.0 - hit.barycentrics.x - hit.barycentrics.y, hit.barycentrics);
     // The rows transform positions to the mesh's own space, so they transform normals back; their inverse transforms
     // tangents back.
     let back = mat3x3f(x, y, z);
     let side = select(-1.0, 1.0, hit.front != 0u);
-    let n0 = daa_octahedral_decode(unpack2x16snorm(t0.x));
-    let n1 = daa_octahedral_decode(unpack2x16snorm(t1.x));
-    let n2 = daa_octahedral_decode(unpack2x16snorm(t2.x));
-    let tangents = daa_tangent_decode(n0, t0.y);
+    let tangents = daa_triangle_tangent(t, w);
     let flat_normal = back * cross(e1, e2);
-    let smooth_normal = back * (n0 * w.x + n1 * w.y + n2 * w.z);
+    let smooth_normal = back * daa_triangle_normal(t, w);
     let volume = dot(x, cross(y, z));
     let inverse = mat3x3f(cross(y, z), cross(z, x), cross(x, y));
     let tangent = inverse * tangents.xyz * sign(volume);
@@ -82,14 +83,11 @@ fn daa_met(pixel: vec2u, rank: u32, ray: DaaRay, hit: DaaHit, cone: DaaCone) -> 
     s.tangent = vec4f(tangent * inverseSqrt(max(dot(tangent, tangent), 1e-36)), tangents.w * side * sign(volume));
     s.material = more.x;
     s.object = more.y;
-    s.user = v0.w;
-    let uv0 = bitcast<vec2f>(t0.zw);
-    let d1 = bitcast<vec2f>(t1.zw) - uv0;
-    let d2 = bitcast<vec2f>(t2.zw) - uv0;
-    s.uv = uv0 + d1 * w.y + d2 * w.z;
+    s.user = daa_triangle_user(t, w);
+    s.uv = daa_triangle_uv(t, w);
     // The ratio of texture to world lengths follows from the areas. The area of the edges transforms like their normal.
     let world_area = length(flat_normal) / max(abs(volume), 1e-36);
-    let scale = sqrt(abs(d1.x * d2.y - d1.y * d2.x) / max(world_area, 1e-36));
+    let scale = sqrt(abs(t.uv_ab.x * t.uv_ac.y - t.uv_ab.y * t.uv_ac.x) / max(world_area, 1e-36));
     let across = (cone.width + cone.spread * hit.t) / max(abs(dot(s.normal, ray.direction)), 0.05);
     let footprint = min(across * scale, 65504.0);
     s.ddx = vec2f(footprint, 0.0);

@@ -13,6 +13,8 @@ fn daa_depth_at(at: vec2u) -> f32 {
 
 /// The attributes of a sample of the G-buffer, which `daa_attributes_at` reads.
 struct DaaAttributes {
+    /// Position relative to the camera. The sky has no distance, so it lies on the near plane.
+    relative_position: vec3f,
     normal: vec3f,
     /// material | object << 16.
     identity: u32,
@@ -23,8 +25,9 @@ struct DaaAttributes {
     /// Gradients of uv per sample of the G-buffer.
     ddx: vec2f,
     ddy: vec2f,
-    /// Whether the normal and the geometric normal were never written.
-    unset: vec2<bool>,
+    /// Whether the normal was never written.
+    normal_unset: bool,
+    geometric_normal_unset: bool,
 }
 
 /// The index of a sample among all samples, rank by rank and tile by tile.
@@ -69,15 +72,14 @@ fn daa_relative_position(xy: vec2f, d: f32) -> vec3f {
 /// samples.
 fn daa_fetch(pixel: vec2u, rank: u32, footprint: f32, offset: vec2f) -> DaaSample {
     let at = pixel * DAA_M + daa_order(rank);
-    let a = daa_attributes_at(at);
     let d = daa_depth_at(at);
+    let a = daa_attributes_at(at, d);
     let valid = d > DAA_SKY_DEPTH;
 
     var s: DaaSample;
     s.pixel = pixel;
     s.rank = rank;
-    // The sky has no distance, so its direction is taken from the near plane.
-    let relative = daa_relative_position(vec2f(at) + 0.5, select(1.0, d, valid));
+    let relative = a.relative_position;
     let towards = select(-relative, -daa_frame.camera_forward, daa_frame.orthographic != 0u);
     s.view = towards * inverseSqrt(max(dot(towards, towards), 1e-30));
     s.relative_position = relative;

@@ -6,6 +6,7 @@ use crate::gpu::sizes::{IMAGE_FORMAT, WORK_BYTES};
 use crate::gpu::uniforms::casting::CastingUniform;
 use crate::gpu::uniforms::frame::FrameUniform;
 use crate::gpu::uniforms::lattice::StepUniform;
+use crate::host::gbuffer::GBufferTier;
 use crate::host::graph::{Grid, Part, PassKind, Resource, ResourceSet, Rounds, Stage};
 use crate::host::needs::RayInputs;
 use crate::rays::RayTier;
@@ -225,7 +226,7 @@ pub(crate) fn layout(device: &wgpu::Device, pass: &PassData, stage: &Stage, tier
 }
 
 /// Creates the layout of group 0: the frame's constants, the G-buffer, and the ray results.
-pub(crate) fn frame_layout(device: &wgpu::Device, inputs: RayInputs) -> wgpu::BindGroupLayout {
+pub(crate) fn frame_layout(device: &wgpu::Device, tier: GBufferTier, inputs: RayInputs) -> wgpu::BindGroupLayout {
     let visibility = wgpu::ShaderStages::COMPUTE | wgpu::ShaderStages::FRAGMENT;
     let texture = |binding, sample_type| wgpu::BindGroupLayoutEntry {
         binding,
@@ -249,9 +250,15 @@ pub(crate) fn frame_layout(device: &wgpu::Device, inputs: RayInputs) -> wgpu::Bi
         buffer(0, visibility, wgpu::BufferBindingType::Uniform, true, bytes),
         texture(1, wgpu::TextureSampleType::Float { filterable: false }),
         texture(2, wgpu::TextureSampleType::Uint),
-        texture(3, wgpu::TextureSampleType::Uint),
-        texture(4, wgpu::TextureSampleType::Uint),
     ];
+    match tier {
+        GBufferTier::Stored(_) => {
+            entries.extend(tier.frame_format().map(|_| texture(3, wgpu::TextureSampleType::Uint)));
+            entries.extend(tier.uv_format().map(|_| texture(4, wgpu::TextureSampleType::Uint)));
+        }
+        // The meshes, and the instances of the frame.
+        GBufferTier::Visibility => entries.extend([3, 4].map(|binding| buffer(binding, visibility, found, false, 0))),
+    }
     for (binding, has) in [(5, inputs.shadows), (6, inputs.reflections)] {
         if has {
             entries.push(buffer(binding, wgpu::ShaderStages::COMPUTE, found, false, 0));

@@ -3,13 +3,14 @@
 mod compare;
 
 use crate::gpu::binding::{Access, Binding, OWN_GROUP, PassData, Slot};
-use crate::gpu::modules::{Base, source};
+use crate::gpu::modules::{Base, Tiers, source};
 use crate::gpu::sizes::{BATCH, POINTS_BLOCK, TILE_CLASSES_BYTES, WORK_BYTES, WORK_GROUPS_AT};
 use crate::gpu::uniforms::casting::{CastSamples, CastingUniform, LightUniform};
 use crate::gpu::uniforms::frame::{
     AuditUniform, FrameUniform, MultiResolutionUniform, ReconstructUniform, SelectiveUniform, WindowedUniform, flag,
 };
 use crate::gpu::uniforms::lattice::{LatticeUniform, Level, StepUniform};
+use crate::host::gbuffer::{Channels, GBufferTier};
 use crate::host::graph::{Grid, Part};
 use crate::host::needs::RayInputs;
 use crate::host::statistics::Counters;
@@ -25,6 +26,15 @@ use wgpu::naga;
 
 const TIERS: [TextureTier; 3] = [TextureTier::None, TextureTier::Arrays, TextureTier::Bindings];
 const RAYS: [RayTier; 2] = [RayTier::Software, RayTier::Query];
+/// With each set of targets.
+const GBUFFERS: [GBufferTier; 6] = [
+    GBufferTier::Stored(Channels::ALL),
+    GBufferTier::Stored(Channels { uv: false, ..Channels::ALL }),
+    GBufferTier::Stored(Channels { geometric_normal: true, ..Channels::NONE }),
+    GBufferTier::Stored(Channels { user: true, ..Channels::NONE }),
+    GBufferTier::Stored(Channels::NONE),
+    GBufferTier::Visibility,
+];
 
 /// With every hook.
 const SPLIT: &str = "fn material(s: DaaSample) -> DaaMaterial { return DaaMaterial(); }
@@ -40,7 +50,11 @@ fn host(source: &str, tier: TextureTier) -> HostSource {
 
 /// A pass's module as a node with every hook runs it.
 fn module(pass: &PassData, inputs: RayInputs, tier: RayTier) -> naga::Module {
-    parse(&source(pass.module, &host(SPLIT, TextureTier::None), inputs, tier))
+    module_on(pass, inputs, Tiers { rays: tier, ..Default::default() })
+}
+
+fn module_on(pass: &PassData, inputs: RayInputs, tiers: Tiers) -> naga::Module {
+    parse(&source(pass.module, &host(SPLIT, TextureTier::None), inputs, tiers))
 }
 
 /// Every module that the crate makes, with each kind of hook on each tier, by name.
@@ -54,8 +68,15 @@ fn modules() -> Vec<(String, naga::Module)> {
                     continue;
                 }
                 for (inputs, rays) in RayInputs::ALL.into_iter().flat_map(|inputs| RAYS.map(|rays| (inputs, rays))) {
-                    let text = source(pass.module, &host, inputs, rays);
-                    texts.entry(text).or_insert_with(|| format!("{} {tier:?} {inputs:?} {rays:?}", pass.module.name));
+                    for gbuffer in GBUFFERS {
+                        // Those beside the whole one are the same for every table.
+                        if gbuffer != GBufferTier::default() && tier != TextureTier::None {
+                            continue;
+                        }
+                        let text = source(pass.module, &host, inputs, Tiers { gbuffer, rays });
+                        let name = || format!("{} {tier:?} {inputs:?} {rays:?} {gbuffer:?}", pass.module.name);
+                        texts.entry(text).or_insert_with(name);
+                    }
                 }
             }
         }
@@ -289,12 +310,44 @@ fn every_module_is_sound_and_has_the_frame() {
             assert_eq!(wgsl_layout(&module, part), *layout, "{name}");
         }
     }
-    let host_pack = format!(
-        "{}\n@fragment fn f(@location(0) n: vec3f) -> DaaGBuffer {{
-        var f: DaaFragment; f.normal = n; return daa_pack(f); }}",
-        crate::gbuffer::PACK_WGSL
-    );
-    parse(&host_pack);
+}
+
+/// What a host joins with its raster shader is whole by itself, and has a location for each target.
+#[test]
+fn packing_is_that_of_the_tier() {
+    for tier in GBUFFERS {
+        let call = match tier {
+            GBufferTier::Stored(_) => "var f: DaaFragment; f.normal = n; return daa_pack(f);",
+            GBufferTier::Visibility => "return daa_pack(u32(n.x), u32(n.y));",
+        };
+        let entry = format!("@fragment fn f(@location(0) n: vec3f) -> DaaGBuffer {{ {call} }}");
+        let module = parse(&[tier.pack_wgsl(), entry].join("\n"));
+        let (members, _) = wgsl_layout(&module, "DaaGBuffer");
+        let bytes: u32 = members.iter().map(|(_, _, size)| size).sum();
+        assert_eq!(members.len(), tier.color_formats().len(), "{tier:?}");
+        assert_eq!(u64::from(bytes) + 4, tier.bytes_per_sample(), "{tier:?}");
+    }
+}
+
+/// Group 0 has what the modules of a tier read of the G-buffer.
+#[test]
+fn the_group_of_the_frame_has_the_gbuffer() {
+    for gbuffer in GBUFFERS {
+        let all = [Some(1), Some(2), gbuffer.frame_format().map(|_| 3), gbuffer.uv_format().map(|_| 4)];
+        let mut has: BTreeSet<u32> = all.into_iter().flatten().collect();
+        if gbuffer == GBufferTier::Visibility {
+            has.extend([3, 4]);
+        }
+        for pass in passes::ALL {
+            let module = module_on(pass, RayInputs::ALL[3], Tiers { gbuffer, ..Default::default() });
+            for stage in pass.stages {
+                let read = used(&module, stage.entry, 0).into_keys().filter(|binding| (1..=4).contains(binding));
+                for binding in read {
+                    assert!(has.contains(&binding), "{} on {gbuffer:?}: binding {binding}", stage.entry);
+                }
+            }
+        }
+    }
 }
 
 #[test]
@@ -512,7 +565,7 @@ fn table_bindings_are_the_layouts() {
         wgpu::Features::empty(),
     );
     let first = passes::first::FIRST.module;
-    let module = parse(&source(first, &host.expect("a sound hook"), RayInputs::default(), RayTier::Software));
+    let module = parse(&source(first, &host.expect("a sound hook"), RayInputs::default(), Tiers::default()));
     let mut bound: Vec<_> = module
         .global_variables
         .iter()
@@ -563,7 +616,7 @@ fn builtins_are_what_the_shaders_use() {
     const TYPES: [&str; 9] = ["array", "atomic", "binding_array", "bitcast", "bool", "f32", "i32", "sampler", "u32"];
     let mut used = BTreeSet::new();
     // What packs is in the host's own module.
-    for text in passes::shader_texts().into_iter().filter(|text| !text.contains("fn daa_pack(")) {
+    for text in passes::shader_texts().into_iter().filter(|text| !text.contains("fn daa_pack")) {
         let tokens = tokens(text);
         for (i, &(_, token)) in tokens.iter().enumerate() {
             let called = tokens.get(i + 1).is_some_and(|next| next.1 == "(");

@@ -1,6 +1,7 @@
 //! The composition of shaders from the crate's chunks of WGSL, the host's source, and a pass. Pipelines, the exporter
 //! and the tests all use [`source`].
 
+use crate::host::gbuffer::GBufferTier;
 use crate::host::needs::RayInputs;
 use crate::rays::RayTier;
 use crate::wgsl::{HostSource, chunk};
@@ -35,13 +36,20 @@ impl Base {
     }
 }
 
+/// What the same modules are composed for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct Tiers {
+    pub gbuffer: GBufferTier,
+    pub rays: RayTier,
+}
+
 /// The whole text of a module, for samples with these ray results.
-pub(crate) fn source(module: &Module, host: &HostSource, inputs: RayInputs, tier: RayTier) -> String {
+pub(crate) fn source(module: &Module, host: &HostSource, inputs: RayInputs, tiers: Tiers) -> String {
     let text = match module.base {
-        Base::GBuffer => frame(RayInputs::default()),
-        Base::Found => frame(inputs),
-        Base::Shading => shading(host, inputs),
-        Base::Casting { shades } => casting(host, tier, shades),
+        Base::GBuffer => frame(tiers.gbuffer, RayInputs::default()),
+        Base::Found => frame(tiers.gbuffer, inputs),
+        Base::Shading => shading(host, tiers.gbuffer, inputs),
+        Base::Casting { shades } => casting(host, tiers, shades),
     };
     text.into_iter().chain(module.chunks.iter().copied()).flat_map(|chunk| [chunk, "\n"]).collect()
 }
@@ -55,41 +63,49 @@ pub(crate) fn binds_host(base: Base, host: &HostSource) -> bool {
     }
 }
 
-fn frame(inputs: RayInputs) -> Vec<&'static str> {
+fn frame(gbuffer: GBufferTier, inputs: RayInputs) -> Vec<&'static str> {
     let mut chunks = vec![chunk::CONTRACT];
-    chunks.extend(samples(inputs));
+    chunks.extend(samples(gbuffer, inputs));
     chunks.push(chunk::STATISTICS);
     chunks
 }
 
 /// The chunks that read samples.
-fn samples(inputs: RayInputs) -> [&'static str; 10] {
-    [
-        chunk::OCTAHEDRAL,
-        chunk::FRAME,
-        chunk::PLAN_WORD,
-        chunk::SAMPLE,
-        chunk::STORED_FRAME,
-        chunk::STORED_UV,
-        chunk::STORED,
+fn samples(gbuffer: GBufferTier, inputs: RayInputs) -> Vec<&'static str> {
+    let mut chunks = vec![chunk::OCTAHEDRAL, chunk::TRIANGLE, chunk::FRAME, chunk::PLAN_WORD, chunk::SAMPLE];
+    match gbuffer {
+        GBufferTier::Stored(channels) => chunks.extend([
+            match channels.frame() {
+                [true, true] => chunk::STORED_FRAME,
+                [true, false] => chunk::STORED_FRAME_NORMALS,
+                [false, true] => chunk::STORED_FRAME_USER,
+                [false, false] => chunk::STORED_FRAME_NONE,
+            },
+            if channels.uv { chunk::STORED_UV } else { chunk::STORED_UV_NONE },
+            chunk::STORED,
+        ]),
+        GBufferTier::Visibility => chunks.push(chunk::VISIBILITY),
+    }
+    chunks.extend([
         chunk::SHARED_EXPONENT,
         if inputs.shadows { chunk::SHADOWS } else { chunk::SHADOWS_NONE },
         if inputs.reflections { chunk::REFLECTIONS } else { chunk::REFLECTIONS_NONE },
-    ]
+    ]);
+    chunks
 }
 
 /// The host's source, the contract, and the chunks that read, shade and average samples.
-fn shading(host: &HostSource, inputs: RayInputs) -> Vec<&str> {
+fn shading(host: &HostSource, gbuffer: GBufferTier, inputs: RayInputs) -> Vec<&str> {
     let mut chunks = vec![host.directives(), &host.source, chunk::CONTRACT, host.table_chunk()];
-    chunks.extend(samples(inputs));
+    chunks.extend(samples(gbuffer, inputs));
     chunks.extend([chunk::MEAN, chunk::STATISTICS]);
     chunks.extend(host.calls());
     chunks.push(chunk::EVALUATE);
     chunks
 }
 
-fn casting(host: &HostSource, tier: RayTier, shades: bool) -> Vec<&str> {
-    let (directive, nodes, traversal) = match tier {
+fn casting(host: &HostSource, tiers: Tiers, shades: bool) -> Vec<&str> {
+    let (directive, nodes, traversal) = match tiers.rays {
         RayTier::Software => {
             ("", "@group(3) @binding(0) var<storage, read> daa_ray_nodes: array<vec4u>;", chunk::RAYS_SOFTWARE)
         }
@@ -105,7 +121,7 @@ fn casting(host: &HostSource, tier: RayTier, shades: bool) -> Vec<&str> {
     } else {
         chunks.push(chunk::CONTRACT);
     }
-    chunks.extend(samples(RayInputs::default()));
+    chunks.extend(samples(tiers.gbuffer, RayInputs::default()));
     chunks.extend([chunk::MEAN, chunk::STATISTICS]);
     if shades {
         chunks.extend(host.calls());

@@ -2,9 +2,10 @@
 //! used.
 
 use crate::gpu::binding::{self, PassData};
-use crate::gpu::modules::{self, Base};
+use crate::gpu::modules::{self, Base, Tiers};
 use crate::gpu::step::Step;
 use crate::host::error::{PipelineError, RecordError};
+use crate::host::gbuffer::GBufferTier;
 use crate::host::graph::{PassKind, Stage};
 use crate::host::needs::RayInputs;
 use crate::host::shader::Shader;
@@ -21,6 +22,7 @@ pub(crate) struct Build {
     pub m: u32,
     pub host: HostSource,
     pub target_format: wgpu::TextureFormat,
+    pub gbuffer: GBufferTier,
     /// How rays are traced, if the node can trace any.
     pub rays: Option<RayTier>,
     /// The layouts of `@group(0)`, by [`RayInputs::index`].
@@ -172,7 +174,7 @@ impl Build {
         stage: &Stage,
         set: RayInputs,
     ) -> Result<Pipeline, PipelineError> {
-        let text = modules::source(pass.module, &self.host, set, tier);
+        let text = modules::source(pass.module, &self.host, set, Tiers { gbuffer: self.gbuffer, rays: tier });
         let name = pass.module.name;
         self.checked(name, || {
             let own = binding::layout(&self.device, pass, stage, tier);
@@ -257,7 +259,7 @@ impl Build {
                 pass: name,
                 entry: entry.to_owned(),
                 stage: shader_stage,
-                source: modules::source(pass.module, &self.host, set, tier),
+                source: modules::source(pass.module, &self.host, set, Tiers { gbuffer: self.gbuffer, rays: tier }),
                 constants: self.constants(pass).into_iter().map(|(name, value)| (name.to_owned(), value)).collect(),
                 zero_initialize_workgroup_memory: self.zeroed(pass),
             };

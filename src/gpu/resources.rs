@@ -6,7 +6,7 @@ use crate::gpu::loans::Loans;
 use crate::gpu::pipelines::{self, Build, Pipeline};
 use crate::gpu::sizes::{Shape, TILE_CLASSES_BYTES, plan_bytes, sample_bytes};
 use crate::host::error::{RecordError, SizeError};
-use crate::host::gbuffer::{COLOR_FORMATS, DEPTH_FORMAT, GBuffer};
+use crate::host::gbuffer::{DEPTH_FORMAT, GBuffer, GBufferTier};
 use crate::host::graph::{Part, PartKind, Resource, Stage};
 use crate::host::needs::RayInputs;
 use crate::rays::RayScene;
@@ -59,8 +59,9 @@ pub(crate) struct SizedResources {
     parts: HashMap<Part, Memory>,
     /// Each stage's own group, with the generation of the ray scene that it binds.
     groups: HashMap<StageKey, (u64, wgpu::BindGroup)>,
-    /// Group 0, by the ray results of the frame and those that its pipelines were compiled for.
-    frames: HashMap<(RayInputs, RayInputs), wgpu::BindGroup>,
+    /// Group 0, by the ray results of the frame and those that its pipelines were compiled for, with the generation of
+    /// the scene whose surfaces it binds.
+    frames: HashMap<(RayInputs, RayInputs), (u64, wgpu::BindGroup)>,
 }
 
 impl SizedResources {
@@ -86,10 +87,13 @@ impl SizedResources {
             width,
             height,
             color: [
-                attachment(Part::GBufferSurface, COLOR_FORMATS[0]),
-                attachment(Part::GBufferFrame, COLOR_FORMATS[1]),
-                attachment(Part::GBufferUv, COLOR_FORMATS[2]),
-            ],
+                (Part::GBufferSurface, Some(GBufferTier::FIRST)),
+                (Part::GBufferFrame, shape.gbuffer.frame_format()),
+                (Part::GBufferUv, shape.gbuffer.uv_format()),
+            ]
+            .into_iter()
+            .filter_map(|(part, format)| Some(attachment(part, format?)))
+            .collect(),
             depth: attachment(Part::GBufferDepth, DEPTH_FORMAT),
         };
         for part in FIXED {
@@ -142,6 +146,13 @@ impl SizedResources {
         match self.parts.get(&part)? {
             Memory::Buffer(buffer) => Some(buffer),
             Memory::Texture(_) => None,
+        }
+    }
+
+    fn view(&self, part: Part) -> Option<&wgpu::TextureView> {
+        match self.parts.get(&part)? {
+            Memory::Texture(view) => Some(view),
+            Memory::Buffer(_) => None,
         }
     }
 
@@ -290,8 +301,11 @@ impl SizedResources {
         buffers: &NodeBuffers,
         inputs: RayInputs,
         set: RayInputs,
+        scene: Option<&RayScene>,
     ) -> wgpu::BindGroup {
-        if let Some(group) = self.frames.get(&(inputs, set)) {
+        let drawn = scene.filter(|_| build.gbuffer == GBufferTier::Visibility);
+        let generation = drawn.map_or(0, RayScene::generation);
+        if let Some((_, group)) = self.frames.get(&(inputs, set)).filter(|(bound, _)| *bound == generation) {
             return group.clone();
         }
         let view = |binding, view| wgpu::BindGroupEntry { binding, resource: wgpu::BindingResource::TextureView(view) };
@@ -303,10 +317,22 @@ impl SizedResources {
         let mut entries = vec![
             wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::Buffer(constants) },
             view(1, &self.gbuffer.depth),
-            view(2, &self.gbuffer.color[0]),
-            view(3, &self.gbuffer.color[1]),
-            view(4, &self.gbuffer.color[2]),
         ];
+        match build.gbuffer {
+            GBufferTier::Stored(_) => {
+                let targets = [(2, Part::GBufferSurface), (3, Part::GBufferFrame), (4, Part::GBufferUv)];
+                let bound = targets.into_iter().filter_map(|(binding, part)| Some((binding, self.view(part)?)));
+                entries.extend(bound.map(|(binding, target)| view(binding, target)));
+            }
+            GBufferTier::Visibility => {
+                let drawn = drawn.and_then(RayScene::visibility_buffers);
+                let [meshes, instances] = drawn.unwrap_or([buffers.nothing(Access::Read); 2]);
+                entries.extend(self.view(Part::GBufferSurface).map(|ids| view(2, ids)));
+                for (binding, buffer) in [(3, meshes), (4, instances)] {
+                    entries.push(wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() });
+                }
+            }
+        }
         // Results that were not traced read as 0.
         let found = [
             (5, Part::Shadows, set.shadows, inputs.shadows),
@@ -322,7 +348,7 @@ impl SizedResources {
             layout: &build.frame_layouts[set.index()],
             entries: &entries,
         });
-        self.frames.insert((inputs, set), group.clone());
+        self.frames.insert((inputs, set), (generation, group.clone()));
         group
     }
 }

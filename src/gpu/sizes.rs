@@ -3,7 +3,7 @@
 use crate::TILE;
 use crate::gpu::uniforms::audited::Audited;
 use crate::gpu::uniforms::lattice::{self, LatticeSteps};
-use crate::host::gbuffer::{BYTES_PER_SAMPLE, COLOR_FORMATS, DEPTH_FORMAT};
+use crate::host::gbuffer::{DEPTH_FORMAT, GBufferTier};
 use crate::host::graph::{Grid, LatticeShape, Part, PartKind, PassInfo, Rounds};
 use crate::host::needs::RayInputs;
 use crate::host::statistics::COUNTER_BYTES;
@@ -36,6 +36,7 @@ pub(crate) struct Shape {
     pub size: [u32; 2],
     pub m: u32,
     pub target_format: wgpu::TextureFormat,
+    pub gbuffer: GBufferTier,
     pub inputs: RayInputs,
     /// Whether the hits of the rays of first samples are kept.
     pub hits: bool,
@@ -57,9 +58,9 @@ pub(crate) fn plan_bytes(size: [u32; 2]) -> u64 {
 }
 
 /// The bytes of the G-buffer.
-pub(crate) fn gbuffer_bytes(size: [u32; 2], m: u32) -> u64 {
+pub(crate) fn gbuffer_bytes(size: [u32; 2], m: u32, tier: GBufferTier) -> u64 {
     let [w, h] = size.map(u64::from);
-    w * h * u64::from(m * m) * BYTES_PER_SAMPLE
+    w * h * u64::from(m * m) * tier.bytes_per_sample()
 }
 
 /// The bytes of everything else that [`resize`](crate::DeferredAa::resize) creates.
@@ -104,9 +105,9 @@ impl Shape {
             |format| texture(format, size.map(|side| side * m), wgpu::TextureUsages::RENDER_ATTACHMENT | SAMPLED);
         match part {
             Part::GBufferDepth => gbuffer(DEPTH_FORMAT),
-            Part::GBufferSurface => gbuffer(COLOR_FORMATS[0]),
-            Part::GBufferFrame => gbuffer(COLOR_FORMATS[1]),
-            Part::GBufferUv => gbuffer(COLOR_FORMATS[2]),
+            Part::GBufferSurface => gbuffer(GBufferTier::FIRST),
+            Part::GBufferFrame => self.gbuffer.frame_format().and_then(gbuffer),
+            Part::GBufferUv => self.gbuffer.uv_format().and_then(gbuffer),
             Part::First | Part::Color => texture(IMAGE_FORMAT, size, wgpu::TextureUsages::STORAGE_BINDING | SAMPLED),
             Part::WindowCounts | Part::Plan => buffer(plan_bytes(size), none),
             Part::PixelListRows => buffer(tiles * rows * 4, none),

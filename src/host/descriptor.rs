@@ -1,5 +1,6 @@
 //! The descriptor of a node.
 
+use crate::host::gbuffer::GBufferTier;
 use crate::host::table::TextureTier;
 use crate::rays::RayTier;
 
@@ -28,6 +29,8 @@ pub struct Descriptor<'a> {
     pub m: u32,
     /// The format of the views that frames are written to: float (HDR, linear), unorm or sRGB (clamped to 1).
     pub target_format: wgpu::TextureFormat,
+    /// How the G-buffer keeps its samples, and which of their attributes.
+    pub gbuffer: GBufferTier,
     /// The host's WGSL.
     pub shading: Shading<'a>,
     /// How `daa_texture` reads textures.
@@ -39,8 +42,9 @@ pub struct Descriptor<'a> {
 }
 
 impl<'a> Descriptor<'a> {
-    /// A descriptor with m = 4, no textures and no rays.
+    /// A descriptor with m = 4, a G-buffer that stores every attribute, no textures and no rays.
     pub fn new(target_format: wgpu::TextureFormat, shading: Shading<'a>) -> Self {
-        Self { m: 4, target_format, shading, textures: TextureTier::None, texture_capacity: 0, rays: None }
+        let (gbuffer, textures) = (GBufferTier::default(), TextureTier::None);
+        Self { m: 4, target_format, gbuffer, shading, textures, texture_capacity: 0, rays: None }
     }
 }

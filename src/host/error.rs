@@ -20,6 +20,11 @@ pub enum BuildError {
         "target format {0:?} can't hold a colour image; choose a renderable float or normalised format, such as Rgba8UnormSrgb or Rgba16Float"
     )]
     TargetFormat(wgpu::TextureFormat),
+    /// Rays need the geometric normal, and the G-buffer does not keep it.
+    #[error(
+        "rays start along the geometric normal; set Channels::geometric_normal in Descriptor::gbuffer, or Descriptor::rays to None"
+    )]
+    RayChannel,
     /// The host's WGSL is wrong.
     #[error(transparent)]
     Shading(#[from] ShadingError),
@@ -263,6 +268,11 @@ pub enum RecordError {
     /// The frame needs rays, but has no scene to trace them in.
     #[error("the frame asks for rays, but has no scene for them; set Needs::rays")]
     NoRayScene,
+    /// The G-buffer is a visibility buffer, but the frame has no scene whose meshes and instances it names.
+    #[error(
+        "the G-buffer holds triangles, but the frame has no scene for them; set Needs::rays to a RayScene::for_visibility"
+    )]
+    NoVisibleScene,
     /// The frame has materials that send rays, but the host's WGSL has no `reflection`.
     #[error(
         "the frame has materials that reflect or refract, but the host's WGSL has no `fn reflection(s: DaaSample) -> DaaReflection`; write it, or leave Needs::reflective empty"
@@ -270,11 +280,12 @@ pub enum RecordError {
     NoReflection,
     /// The ray scene was made for another tier than the node.
     #[error(
-        "the scene for rays was made for RayTier::{scene:?}, the node for RayTier::{node:?}; make it with the node's tier"
+        "the scene for rays was made for {}, the node for RayTier::{node:?}; make it with the node's tier",
+        .scene.map_or("a visibility buffer alone".to_owned(), |tier| format!("RayTier::{tier:?}"))
     )]
     RayTier {
-        /// The tier of the scene.
-        scene: RayTier,
+        /// The tier of the scene; `None` if it traces no rays.
+        scene: Option<RayTier>,
         /// The tier of the descriptor.
         node: RayTier,
     },
@@ -503,6 +514,9 @@ pub enum ShadingErrorKind {
     /// The source has an entry point.
     #[error("`{0}` is an entry point; the crate brings its own, remove @compute, @vertex or @fragment")]
     EntryPoint(String),
+    /// The source reads an attribute that the G-buffer does not keep.
+    #[error("`{0}` is not kept in the G-buffer; set it in the Channels of Descriptor::gbuffer, or don't read it")]
+    Channel(&'static str),
     /// The source takes a derivative or samples with implicit gradients, which compute shaders can't.
     #[error("{0}; shading runs in compute: sample with textureSampleGrad or daa_texture and the sample's ddx, ddy")]
     Derivative(String),

@@ -1,30 +1,160 @@
-//! The enlarged G-buffer that the host renders into.
+//! The enlarged G-buffer that the host renders into, m·width × m·height samples.
+//!
+//! [`GBufferTier::Stored`] keeps the attributes of each sample, those that the host's shading reads:
 //!
 //! | target | format | holds |
 //! |---|---|---|
-//! | 0 surface | `Rg32Uint` | normal, octahedral 16+16 bits; material index 16 bits, object id 16 bits |
-//! | 1 frame | `Rg32Uint` | geometric normal, octahedral 8+8 bits; tangent angle 15 bits and sign; the host's 32 bits |
-//! | 2 uv | `Rgba32Uint` | uv as two f32; ∂uv/∂x and ∂uv/∂y as four f16, per sample |
+//! | surface | `Rg32Uint` | normal, octahedral 16+16 bits; material index 16 bits, object id 16 bits |
+//! | frame | `Rg32Uint` | geometric normal, octahedral 8+8 bits; tangent angle 15 bits and sign; the host's 32 bits |
+//! | uv | `Rgba32Uint` | uv as two f32; ∂uv/∂x and ∂uv/∂y as four f16, per sample |
 //! | depth | `Depth32Float` | reversed z: 1 near, 0 at the far plane, where there is only sky |
 //!
-//! A sample has 32 bytes of colour, WebGPU's default limit, and 4 bytes of depth. Gradients are stored, not derived
-//! from neighbouring samples: the rasteriser takes them inside one triangle, so no material or UV seam can smear. Clear
-//! colour and depth to 0, and write depth where it is greater.
-
-/// The formats of the colour targets, in the order of the locations in `DaaGBuffer`.
-pub const COLOR_FORMATS: [wgpu::TextureFormat; 3] =
-    [wgpu::TextureFormat::Rg32Uint, wgpu::TextureFormat::Rg32Uint, wgpu::TextureFormat::Rgba32Uint];
+//! The target frame is `R32Uint` if the host reads neither of the normal and the tangent, or not its own 32 bits, and is
+//! left out if it reads none of them; uv is left out if it reads no texture coordinates. A sample has 12 to 36 bytes with
+//! depth. Gradients are stored, not derived from neighbouring samples: the rasteriser takes them inside one triangle, so
+//! no material or UV seam can smear.
+//!
+//! [`GBufferTier::Visibility`] keeps which triangle a sample shows, 12 bytes with depth:
+//!
+//! | target | format | holds |
+//! |---|---|---|
+//! | ids | `Rg32Uint` | index of the instance + 1, 0 where nothing is drawn; index of the triangle in its mesh |
+//! | depth | `Depth32Float` | as above |
+//!
+//! Clear colour and depth to 0, and write depth where it is greater.
 
 /// The format of the depth target.
 pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
-/// The size of one sample in bytes, depth included.
-pub const BYTES_PER_SAMPLE: u64 = 36;
+/// How the G-buffer keeps its samples. Both tiers give the same image, but for the rounding of stored normals and
+/// gradients.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+pub enum GBufferTier {
+    /// The attributes of each sample, 12 to 36 bytes by the channels. The host needs nothing but its rasteriser.
+    Stored(Channels),
+    /// The triangle of each sample, 12 bytes. The node reads the attributes from the meshes and instances of a
+    /// [`RayScene`](crate::rays::RayScene) when it needs them, so rasterising costs a fraction and nothing is rounded.
+    Visibility,
+}
 
-/// WGSL for the host's raster shader: `DaaFragment`, `DaaGBuffer` and `fn daa_pack(f: DaaFragment) -> DaaGBuffer`. Join
-/// it with the host's own source and return `daa_pack(..)` from the fragment entry point.
-pub const PACK_WGSL: &str =
-    concat!(include_str!("../../shaders/shared/octahedral.wgsl"), "\n", include_str!("../../shaders/pack.wgsl"));
+impl Default for GBufferTier {
+    fn default() -> Self {
+        Self::Stored(Channels::ALL)
+    }
+}
+
+/// The attributes that a stored G-buffer keeps besides the normal, the material and the object. Each that the host's
+/// WGSL does not read saves its bytes in every sample; [`DeferredAa::new`](crate::DeferredAa::new) refuses WGSL that reads
+/// one which is not kept.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Channels {
+    /// `uv`, `ddx` and `ddy`: 16 bytes.
+    pub uv: bool,
+    /// `tangent`: 4 bytes together with the geometric normal.
+    pub tangent: bool,
+    /// `geometric_normal`: 4 bytes together with the tangent. Rays need it, since they start along it.
+    pub geometric_normal: bool,
+    /// `user`: 4 bytes.
+    pub user: bool,
+}
+
+impl Channels {
+    /// Everything, 36 bytes a sample with depth.
+    pub const ALL: Self = Self { uv: true, tangent: true, geometric_normal: true, user: true };
+    /// Only the normal, the material and the object, 12 bytes a sample with depth.
+    pub const NONE: Self = Self { uv: false, tangent: false, geometric_normal: false, user: false };
+
+    /// The names in `DaaSample` of what is not kept.
+    pub(crate) fn missing(self) -> impl Iterator<Item = &'static str> {
+        let all = [
+            ("uv", self.uv),
+            ("ddx", self.uv),
+            ("ddy", self.uv),
+            ("tangent", self.tangent),
+            ("geometric_normal", self.geometric_normal),
+            ("user", self.user),
+        ];
+        all.into_iter().filter(|(_, kept)| !kept).map(|(name, _)| name)
+    }
+
+    /// Which words of the target frame are kept: that of the normal and the tangent, and the host's own.
+    pub(crate) fn frame(self) -> [bool; 2] {
+        [self.geometric_normal || self.tangent, self.user]
+    }
+}
+
+impl GBufferTier {
+    /// The format of the first target, on both tiers.
+    pub(crate) const FIRST: wgpu::TextureFormat = wgpu::TextureFormat::Rg32Uint;
+
+    /// The format of the target frame, if there is one.
+    pub(crate) fn frame_format(self) -> Option<wgpu::TextureFormat> {
+        let Self::Stored(channels) = self else { return None };
+        match channels.frame() {
+            [false, false] => None,
+            [true, true] => Some(wgpu::TextureFormat::Rg32Uint),
+            _ => Some(wgpu::TextureFormat::R32Uint),
+        }
+    }
+
+    /// The format of the target uv, if there is one.
+    pub(crate) fn uv_format(self) -> Option<wgpu::TextureFormat> {
+        matches!(self, Self::Stored(Channels { uv: true, .. })).then_some(wgpu::TextureFormat::Rgba32Uint)
+    }
+
+    /// The formats of the colour targets, in the order of the locations in `DaaGBuffer`.
+    pub fn color_formats(self) -> Vec<wgpu::TextureFormat> {
+        [Some(Self::FIRST), self.frame_format(), self.uv_format()].into_iter().flatten().collect()
+    }
+
+    /// The size of one sample in bytes, depth included.
+    pub fn bytes_per_sample(self) -> u64 {
+        let color = self.color_formats().into_iter().map(|format| format.block_copy_size(None).unwrap_or(0));
+        u64::from(color.sum::<u32>()) + 4
+    }
+
+    /// The colour targets for the host's pipelines.
+    pub fn color_targets(self) -> Vec<Option<wgpu::ColorTargetState>> {
+        self.color_formats().into_iter().map(|format| Some(format.into())).collect()
+    }
+
+    /// WGSL for the host's raster shader; join it with the host's own source. It declares `DaaGBuffer`, the result of the
+    /// fragment entry point, and
+    /// - for [`Stored`](Self::Stored) `DaaFragment` and `fn daa_pack(f: DaaFragment) -> DaaGBuffer`. A channel that is not
+    ///   kept need not be set;
+    /// - for [`Visibility`](Self::Visibility) `fn daa_pack(instance: u32, triangle: u32) -> DaaGBuffer`: the index of the
+    ///   instance in [`RayScene::update`](crate::rays::RayScene::update), and that of the triangle in its mesh, such as
+    ///   `@builtin(primitive_index)`.
+    pub fn pack_wgsl(self) -> String {
+        const OCTAHEDRAL: &str = include_str!("../../shaders/shared/octahedral.wgsl");
+        let Self::Stored(channels) = self else { return PACK_IDS.to_owned() };
+        let (ty, word) = match channels.frame() {
+            [true, true] => ("vec2u", "frame"),
+            [_, false] => ("u32", "frame.x"),
+            [false, _] => ("u32", "frame.y"),
+        };
+        let targets = [
+            Some(("surface", "vec2u", "surface")),
+            self.frame_format().map(|_| ("frame", ty, word)),
+            self.uv_format().map(|_| ("uv", "vec4u", "daa_pack_uv(f)")),
+        ];
+        let targets = || targets.into_iter().flatten();
+        let declared = targets().enumerate().map(|(i, (name, ty, _))| format!("    @location({i}) {name}: {ty},\n"));
+        let packed: Vec<_> = targets().map(|(_, _, packed)| packed).collect();
+        format!(
+            "{OCTAHEDRAL}\n{PACK}\n/// The colour targets of the G-buffer.\nstruct DaaGBuffer {{\n{}}}\n\n\
+             fn daa_pack(f: DaaFragment) -> DaaGBuffer {{\n    let surface = daa_pack_surface(f);\n    \
+             let frame = daa_pack_frame(f, surface.x);\n    return DaaGBuffer({});\n}}\n",
+            declared.collect::<String>(),
+            packed.join(", "),
+        )
+    }
+}
+
+pub(crate) const PACK: &str = include_str!("../../shaders/gbuffer/pack.wgsl");
+pub(crate) const PACK_IDS: &str = include_str!("../../shaders/gbuffer/pack_ids.wgsl");
 
 /// The attachments to render into, m·width × m·height samples. The node owns them;
 /// [`resize`](crate::DeferredAa::resize) replaces them.
@@ -34,16 +164,16 @@ pub struct GBuffer {
     pub width: u32,
     /// The number of samples along y: m · height.
     pub height: u32,
-    /// The colour targets, in the order of [`COLOR_FORMATS`].
-    pub color: [wgpu::TextureView; 3],
+    /// The colour targets, in the order of [`GBufferTier::color_formats`].
+    pub color: Vec<wgpu::TextureView>,
     /// The depth target, in [`DEPTH_FORMAT`].
     pub depth: wgpu::TextureView,
 }
 
 impl GBuffer {
     /// The colour attachments for a render pass, which clears them.
-    pub fn color_attachments(&self) -> [Option<wgpu::RenderPassColorAttachment<'_>>; 3] {
-        self.color.each_ref().map(|view| {
+    pub fn color_attachments(&self) -> Vec<Option<wgpu::RenderPassColorAttachment<'_>>> {
+        let attachment = |view| {
             Some(wgpu::RenderPassColorAttachment {
                 view,
                 depth_slice: None,
@@ -53,7 +183,8 @@ impl GBuffer {
                     store: wgpu::StoreOp::Store,
                 },
             })
-        })
+        };
+        self.color.iter().map(attachment).collect()
     }
 
     /// The depth attachment for a render pass, which clears it.
@@ -65,11 +196,6 @@ impl GBuffer {
         }
     }
 
-    /// The colour targets for the host's pipelines.
-    pub fn color_targets() -> [Option<wgpu::ColorTargetState>; 3] {
-        COLOR_FORMATS.map(|format| Some(format.into()))
-    }
-
     /// The depth state for the host's pipelines: reversed z.
     pub fn depth_state() -> wgpu::DepthStencilState {
         wgpu::DepthStencilState {
@@ -79,5 +205,22 @@ impl GBuffer {
             stencil: wgpu::StencilState::default(),
             bias: wgpu::DepthBiasState::default(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What nobody reads has no target and no bytes.
+    #[test]
+    fn a_sample_has_the_bytes_of_its_channels() {
+        let bytes = |channels| GBufferTier::Stored(channels).bytes_per_sample();
+        assert_eq!((bytes(Channels::NONE), bytes(Channels::ALL)), (12, 36));
+        assert_eq!(bytes(Channels { user: true, ..Channels::NONE }), 16);
+        assert_eq!(bytes(Channels { tangent: true, ..Channels::NONE }), 16);
+        assert_eq!(bytes(Channels { uv: false, ..Channels::ALL }), 20);
+        assert_eq!(bytes(Channels { uv: true, ..Channels::NONE }), 28);
+        assert_eq!(GBufferTier::Visibility.bytes_per_sample(), 12);
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::gpu::sizes::{gbuffer_bytes, sample_bytes, scratch_bytes};
 use crate::host::descriptor::Descriptor;
+use crate::host::gbuffer::GBufferTier;
 use crate::host::table::{BINDING_FEATURES, MAX_SAMPLERS, TextureTier};
 use crate::rays::{QUERY_FEATURES, RayTier, query_limits};
 
@@ -19,6 +20,7 @@ pub struct Requirements {
     /// Optional capabilities that the adapter lacks, with their consequences, a line each.
     pub lost: Vec<String>,
     m: u32,
+    gbuffer: GBufferTier,
     rays: bool,
 }
 
@@ -66,6 +68,12 @@ impl Requirements {
         if !flags.contains(wgpu::DownlevelFlags::ANISOTROPIC_FILTERING) {
             lost.push("no anisotropic filtering: textures blur at grazing angles".to_owned());
         }
+        if descriptor.gbuffer == GBufferTier::Visibility && !has.contains(wgpu::Features::PRIMITIVE_INDEX) {
+            lost.push(
+                "no primitive index: a visibility buffer needs another way to tell triangles apart, such as vertex pulling"
+                    .to_owned(),
+            );
+        }
         if descriptor.textures == TextureTier::Arrays && has.contains(BINDING_FEATURES) {
             lost.push("textures are copied into arrays: TextureTier::Bindings would read them in place".to_owned());
         }
@@ -76,6 +84,7 @@ impl Requirements {
             missing,
             lost,
             m: descriptor.m,
+            gbuffer: descriptor.gbuffer,
             rays: descriptor.rays.is_some(),
         }
     }
@@ -85,7 +94,7 @@ impl Requirements {
     /// `Selective`.
     pub fn memory(&self, width: u32, height: u32) -> Memory {
         Memory {
-            gbuffer: gbuffer_bytes([width, height], self.m),
+            gbuffer: gbuffer_bytes([width, height], self.m, self.gbuffer),
             scratch: scratch_bytes([width, height]),
             rays: if self.rays { 2 * sample_bytes([width, height], self.m) } else { 0 },
         }
@@ -101,7 +110,11 @@ fn features(descriptor: &Descriptor<'_>) -> (wgpu::Features, wgpu::Features) {
     if descriptor.rays == Some(RayTier::Query) {
         needed |= QUERY_FEATURES;
     }
-    (needed, wgpu::Features::TIMESTAMP_QUERY)
+    let wanted = match descriptor.gbuffer {
+        GBufferTier::Visibility => wgpu::Features::PRIMITIVE_INDEX,
+        GBufferTier::Stored(_) => wgpu::Features::empty(),
+    };
+    (needed, wgpu::Features::TIMESTAMP_QUERY | wanted)
 }
 
 fn limits(descriptor: &Descriptor<'_>) -> wgpu::Limits {
@@ -112,10 +125,14 @@ fn limits(descriptor: &Descriptor<'_>) -> wgpu::Limits {
             descriptor.texture_capacity.saturating_add(MAX_SAMPLERS as u32);
         limits.max_binding_array_sampler_elements_per_shader_stage = MAX_SAMPLERS as u32;
     }
-    if descriptor.rays.is_some() {
-        // `trace` binds this many: its own, the table's and the host's.
-        limits.max_storage_buffers_per_shader_stage = 12;
-    }
+    // `reflect` binds this many: its own, the table's and two of the host's. A visibility buffer has the meshes and the
+    // instances besides, with which the passes without rays exceed the default of 8, too.
+    limits.max_storage_buffers_per_shader_stage = match (descriptor.rays, descriptor.gbuffer) {
+        (Some(_), GBufferTier::Visibility) => 14,
+        (None, GBufferTier::Visibility) => 10,
+        (Some(_), GBufferTier::Stored(_)) => 12,
+        (None, GBufferTier::Stored(_)) => limits.max_storage_buffers_per_shader_stage,
+    };
     if descriptor.rays == Some(RayTier::Query) {
         limits.max_acceleration_structures_per_shader_stage = 1;
     }

@@ -19,6 +19,7 @@ pub(crate) mod shade_listed;
 pub(crate) mod view;
 
 use crate::gpu::binding::PassData;
+use crate::host::gbuffer;
 use crate::wgsl::chunk;
 
 /// All passes.
@@ -78,8 +79,7 @@ pub(crate) static ALL: &[&PassData] = &[
 /// changed.
 pub fn shader_texts() -> Vec<&'static str> {
     let own = ALL.iter().flat_map(|pass| pass.module.chunks.iter().copied());
-    let mut all: Vec<_> =
-        chunk::ALL.iter().copied().chain([include_str!("../../shaders/pack.wgsl")]).chain(own).collect();
+    let mut all: Vec<_> = chunk::ALL.iter().copied().chain([gbuffer::PACK, gbuffer::PACK_IDS]).chain(own).collect();
     all.sort_unstable();
     all.dedup();
     all

@@ -42,16 +42,45 @@ pub struct BottomLevel {
     pub(super) masked: bool,
     pub(super) bounds: Option<[Vec3; 2]>,
     dropped: u32,
+    has_tree: bool,
 }
 
 impl BottomLevel {
     /// Checks the mesh and builds its BVH. Triangles without an area are dropped and counted, since no ray can hit
     /// them.
     pub fn build(mesh: &Mesh<'_>) -> Result<Self, RayError> {
+        Self::check(mesh)?;
+        Ok(Self::checked(mesh))
+    }
+
+    /// Checks the mesh without building a BVH, for a scene that is only drawn
+    /// ([`RayScene::for_visibility`](super::RayScene::for_visibility)) or traced by the adapter ([`RayTier::Query`](super::RayTier::Query)).
+    pub fn untraced(mesh: &Mesh<'_>) -> Result<Self, RayError> {
+        Self::check(mesh)?;
+        let triangles = (0..).zip(mesh.indices.as_chunks::<3>().0).map(|(id, &[a, b, c])| [a, b, c, id]).collect();
+        let all = mesh.indices.iter().map(|&i| Vec3::from(mesh.positions[i as usize]));
+        let bounds = all.map(|p| [p, p]).reduce(|[low, high], [p, _]| [low.min(p), high.max(p)]);
+        Ok(Self { triangles, bounds, ..Self::without_triangles(mesh) })
+    }
+
+    fn without_triangles(mesh: &Mesh<'_>) -> Self {
+        Self {
+            name: mesh.name.into(),
+            nodes: Vec::new(),
+            triangles: Vec::new(),
+            positions: mesh.positions.to_vec(),
+            attributes: mesh.attributes.iter().map(|a| (attributes::packed(a), a.user)).collect(),
+            masked: mesh.masked,
+            bounds: None,
+            dropped: 0,
+            has_tree: false,
+        }
+    }
+
+    fn check(mesh: &Mesh<'_>) -> Result<(), RayError> {
         let name = mesh.name;
         let vertices = mesh.positions.len();
-        let in_range = |p: &[f32; 3]| p.iter().all(|c| c.abs() <= MAX_COORDINATE);
-        if let Some(vertex) = mesh.positions.iter().position(|p| !in_range(p)) {
+        if let Some(vertex) = mesh.positions.iter().position(|p| !is_in_range(p)) {
             return Err(RayError::Vertex { mesh: name.into(), vertex, position: mesh.positions[vertex] });
         }
         if !mesh.indices.len().is_multiple_of(3) {
@@ -67,6 +96,10 @@ impl BottomLevel {
         if let Some(vertex) = mesh.attributes.iter().position(|a| !a.is_finite()) {
             return Err(RayError::Attribute { mesh: name.into(), vertex });
         }
+        Ok(())
+    }
+
+    fn checked(mesh: &Mesh<'_>) -> Self {
         let all = mesh.indices.as_chunks::<3>().0;
         let corners = |t: &[u32; 3]| t.map(|i| mesh.positions[i as usize]);
         let kept: Vec<u32> = (0..all.len() as u32).filter(|&i| has_area(corners(&all[i as usize]))).collect();
@@ -83,16 +116,21 @@ impl BottomLevel {
             let total = boxes.iter().fold(Aabb::INVALID, |total, b| union(&total, b));
             [total.min.into(), total.max.into()]
         });
-        Ok(Self {
-            name: name.into(),
-            nodes,
-            triangles: triangles.collect(),
-            positions: mesh.positions.to_vec(),
-            attributes: mesh.attributes.iter().map(|a| (attributes::packed(a), a.user)).collect(),
-            masked: mesh.masked,
-            bounds,
-            dropped: (all.len() - kept.len()) as u32,
-        })
+        let dropped = (all.len() - kept.len()) as u32;
+        let triangles = triangles.collect();
+        Self { nodes, triangles, bounds, dropped, has_tree: true, ..Self::without_triangles(mesh) }
+    }
+
+    /// Whether it was built to be traced in software.
+    pub(super) fn has_tree(&self) -> bool {
+        self.has_tree
+    }
+
+    /// The triangles in the order of the leaves, then the dropped ones, which are degenerate.
+    pub(super) fn leaves_first(&self) -> Vec<[u32; 4]> {
+        let mut all = self.triangles.clone();
+        all.extend(self.as_they_were().into_iter().filter(|t| t[0] == t[1] && t[1] == t[2]));
+        all
     }
 
     /// The number of triangles that were dropped because they have no area.
@@ -203,6 +241,10 @@ fn balanced(boxes: &[Aabb]) -> Bvh2 {
         }
     }
     Bvh2 { nodes, primitive_indices: order, children_are_ordered_after_parents: true, ..Default::default() }
+}
+
+pub(super) fn is_in_range(p: &[f32; 3]) -> bool {
+    p.iter().all(|c| c.abs() <= MAX_COORDINATE)
 }
 
 fn union(a: &Aabb, b: &Aabb) -> Aabb {

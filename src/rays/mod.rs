@@ -97,6 +97,32 @@ pub enum RayError {
         /// The number of vertices.
         vertices: usize,
     },
+    /// A mesh without a tree was added to a scene whose rays are traced in software.
+    #[error(
+        "mesh '{mesh}' was made by BottomLevel::untraced; build it with BottomLevel::build, or trace no rays in software"
+    )]
+    NoTree {
+        /// The name of the mesh.
+        mesh: String,
+    },
+    /// A mesh without attributes was added to a scene for a visibility buffer.
+    #[error("mesh '{mesh}' has no attributes, from which a visibility buffer is shaded; give one for each vertex")]
+    NoAttributes {
+        /// The name of the mesh.
+        mesh: String,
+    },
+    /// The material or the object of an instance is too large for the 16 bits that a sample has for it.
+    #[error(
+        "instance {instance} has {what} {id}; a G-buffer tells 65536 apart, from 0 on, so split the scene or reuse ids"
+    )]
+    Id {
+        /// The index of the instance.
+        instance: usize,
+        /// `material` or `object`.
+        what: &'static str,
+        /// The id.
+        id: u32,
+    },
     /// An attribute is not finite.
     #[error("mesh '{mesh}': vertex {vertex} has a normal, tangent or uv that is not finite")]
     Attribute {

@@ -1,5 +1,6 @@
 //! The top level, and the buffers of both levels on the GPU.
 
+use super::attributes::{self, Attributes};
 use super::mesh::{self, BottomLevel, MAX_COORDINATE, Quality};
 use super::query::Structures;
 use super::{RayError, RayTier};
@@ -20,9 +21,9 @@ pub struct Instance {
     pub mesh: MeshId,
     /// The transform from the mesh's own space to world space: any invertible affine transform.
     pub world: Affine3A,
-    /// The material: `DaaSample::material` of its hits.
+    /// The material: `DaaSample::material`, below 65536.
     pub material: u32,
-    /// The object: `DaaSample::object` of its hits.
+    /// The object: `DaaSample::object`, below 65536.
     pub object: u32,
     /// The host's own 32 bits.
     pub user: u32,
@@ -49,7 +50,24 @@ pub(crate) struct InstanceRecord {
     pub flags: u32,
 }
 
-/// The host's meshes and instances, prepared for tracing.
+/// An instance as a visibility buffer reads it: [`DRAWN`] vec4s of `daa_instances`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub(crate) struct DrawnRecord {
+    /// The rows of the transform from the mesh's own space to camera-relative space.
+    pub relative_from_own: [[f32; 4]; 3],
+    /// The index of the mesh's first triangle among the vec4s of the geometry.
+    pub first_triangle: u32,
+    /// The offset from a vertex to its attributes.
+    pub attributes: u32,
+    /// material | object << 16.
+    pub identity: u32,
+    /// The index of the table of the triangles' places, 0 if they are in the order of the mesh.
+    pub places: u32,
+}
+
+/// The host's meshes and instances, prepared for tracing, for reading a visibility buffer
+/// ([`GBufferTier::Visibility`](crate::GBufferTier::Visibility)), or for both.
 ///
 /// [`add`](Self::add) each mesh once, and [`update`](Self::update) the instances in each frame. Buffers grow when they
 /// must and are kept, so that a steady frame allocates no GPU memory.
@@ -58,6 +76,8 @@ pub struct RayScene {
     nodes: Growing,
     geometry: Growing,
     top: Growing,
+    /// The instances as a visibility buffer reads them, if the scene is for one.
+    drawn: Option<Growing>,
     /// The acceleration structures of [`RayTier::Query`].
     structures: Option<Structures>,
     /// The host's own top level, if it is in use.
@@ -66,12 +86,14 @@ pub struct RayScene {
     /// The number of vec4s in use of `nodes` and `geometry`.
     used: [u64; 2],
     instances: u32,
-    tier: RayTier,
+    tier: Option<RayTier>,
     camera: Vec3,
     least_offset: f32,
     generation: u64,
     /// The data that `update` uploads, kept to avoid an allocation in each frame.
     upload: Vec<[u32; 4]>,
+    /// The same for a visibility buffer.
+    records: Vec<DrawnRecord>,
 }
 
 /// The position of a bottom level in the buffers.
@@ -80,7 +102,10 @@ struct Placed {
     name: String,
     root: u32,
     first_triangle: u32,
+    first_vertex: u32,
+    vertices: u32,
     attributes: u32,
+    places: u32,
     masked: bool,
     bounds: Option<[Vec3; 2]>,
 }
@@ -136,15 +161,29 @@ const VEC4: u64 = 16;
 pub(super) const RECORD: usize = 5;
 const _: () = assert!(size_of::<InstanceRecord>() == RECORD * VEC4 as usize);
 const _: () = assert!(size_of::<CwBvhNode>() == RECORD * VEC4 as usize);
+/// The number of vec4s of a [`DrawnRecord`].
+const DRAWN: usize = 4;
+const _: () = assert!(size_of::<DrawnRecord>() == DRAWN * VEC4 as usize);
 
 impl RayScene {
-    /// An empty scene. After an [`update`](Self::update) every ray misses.
+    /// An empty scene for rays. After an [`update`](Self::update) every ray misses.
     pub fn new(device: &wgpu::Device, tier: RayTier) -> Self {
+        Self::empty(device, Some(tier), None)
+    }
+
+    /// An empty scene for a visibility buffer, and for rays if there is a tier. Its meshes need attributes. Without rays
+    /// they need no tree: see [`BottomLevel::untraced`].
+    pub fn for_visibility(device: &wgpu::Device, rays: Option<RayTier>) -> Self {
+        Self::empty(device, rays, Some(Growing::new(device, "drawn instances")))
+    }
+
+    fn empty(device: &wgpu::Device, tier: Option<RayTier>, drawn: Option<Growing>) -> Self {
         Self {
             nodes: Growing::new(device, "nodes"),
             geometry: Growing::new(device, "triangles and vertices"),
             top: Growing::new(device, "instances"),
-            structures: (tier == RayTier::Query).then(|| Structures::new(device)),
+            drawn,
+            structures: (tier == Some(RayTier::Query)).then(|| Structures::new(device)),
             hosts: None,
             meshes: Vec::new(),
             used: [0, 0],
@@ -154,6 +193,7 @@ impl RayScene {
             least_offset: 0.0,
             generation: next_generation(),
             upload: Vec::new(),
+            records: Vec::new(),
         }
     }
 
@@ -166,11 +206,20 @@ impl RayScene {
         encoder: &mut wgpu::CommandEncoder,
         mesh: &BottomLevel,
     ) -> Result<MeshId, RayError> {
+        if self.tier == Some(RayTier::Software) && !mesh.has_tree() {
+            return Err(RayError::NoTree { mesh: mesh.name.clone() });
+        }
+        if self.drawn.is_some() && mesh.attributes.is_empty() && !mesh.positions.is_empty() {
+            return Err(RayError::NoAttributes { mesh: mesh.name.clone() });
+        }
         let [nodes, geometry] = self.used;
         let (root, first_triangle) = (nodes / RECORD as u64, geometry);
-        let first_vertex = geometry + self.order(mesh).len() as u64;
+        let order = self.order(mesh);
+        let first_vertex = geometry + order.len() as u64;
         let vertices = mesh.positions.len();
-        let end = first_vertex + (vertices + mesh.attributes.len()) as u64;
+        let places = self.places(&order);
+        let first_place = first_vertex + (vertices + mesh.attributes.len()) as u64;
+        let end = first_place + places.len() as u64;
         // The adapter's structures replace the nodes.
         let own_nodes = if self.structures.is_some() { &[][..] } else { &mesh.nodes };
         let nodes_end = nodes + (own_nodes.len() * RECORD) as u64;
@@ -180,8 +229,7 @@ impl RayScene {
             node.child_base_idx += root as u32;
             node.primitive_base_idx += first_triangle as u32;
         }
-        let triangles = self.order(mesh);
-        let triangles = triangles.iter().map(|&[a, b, c, id]| {
+        let triangles = order.iter().map(|&[a, b, c, id]| {
             let [a, b, c] = [a, b, c].map(|v| v + first_vertex as u32);
             [a, b, c, id]
         });
@@ -191,7 +239,8 @@ impl RayScene {
             [x, y, z, user(i)]
         });
         let attributes = mesh.attributes.iter().map(|&(packed, _)| packed);
-        let records: Vec<[u32; 4]> = triangles.chain(positions).chain(attributes).collect();
+        let first_place = if places.is_empty() { 0 } else { first_place as u32 };
+        let records: Vec<[u32; 4]> = triangles.chain(positions).chain(attributes).chain(places).collect();
 
         // The generation is updated after each, since the first may be replaced even if the second fails.
         let grown = self.nodes.reserve(device, Some(&mut *encoder), nodes_end * VEC4, nodes * VEC4)?;
@@ -208,6 +257,9 @@ impl RayScene {
             name: mesh.name.clone(),
             root: root as u32,
             first_triangle: first_triangle as u32,
+            first_vertex: first_vertex as u32,
+            vertices: vertices as u32,
+            places: first_place,
             attributes: if mesh.attributes.is_empty() { 0 } else { vertices as u32 },
             masked: mesh.masked,
             bounds: mesh.bounds,
@@ -215,9 +267,44 @@ impl RayScene {
         Ok(MeshId(self.meshes.len() as u32 - 1))
     }
 
+    /// Moves the vertices of a mesh, for a visibility buffer that shows it deformed: skinned or morphed. There is a
+    /// position and a set of attributes for each vertex that [`add`](Self::add) got. Rays still meet the mesh as it was
+    /// added.
+    pub fn deform(
+        &self,
+        queue: &wgpu::Queue,
+        mesh: MeshId,
+        positions: &[[f32; 3]],
+        attributes: &[Attributes],
+    ) -> Result<(), RayError> {
+        let meshes = self.meshes.len();
+        let none = RayError::NoMesh { instance: 0, mesh: mesh.0, meshes };
+        let placed = self.meshes.get(mesh.0 as usize).ok_or(none)?;
+        let name = || placed.name.clone();
+        let vertices = placed.vertices as usize;
+        if [positions.len(), attributes.len()] != [vertices; 2] {
+            return Err(RayError::Attributes { mesh: name(), attributes: attributes.len(), vertices });
+        }
+        if let Some(vertex) = positions.iter().position(|p| !mesh::is_in_range(p)) {
+            return Err(RayError::Vertex { mesh: name(), vertex, position: positions[vertex] });
+        }
+        if let Some(vertex) = attributes.iter().position(|a| !a.is_finite()) {
+            return Err(RayError::Attribute { mesh: name(), vertex });
+        }
+        let moved =
+            positions.iter().zip(attributes).map(|([x, y, z], a)| [x.to_bits(), y.to_bits(), z.to_bits(), a.user]);
+        let records: Vec<[u32; 4]> = moved.chain(attributes.iter().map(attributes::packed)).collect();
+        let at = u64::from(placed.first_vertex) * VEC4;
+        queue.write_buffer(&self.geometry.buffer, at, bytemuck::cast_slice(&records));
+        Ok(())
+    }
+
     /// Sets the instances of the frame. `camera` is the camera's position in world space: rays are traced relative to
     /// it, so that worlds may be large. `encoder` receives the build of the adapter's top level. If it fails, the scene
     /// keeps its former instances.
+    ///
+    /// A visibility buffer names instances by their index in `instances`; it shows those of the last update before the
+    /// submit. There, an instance that is too flat to be traced is only drawn.
     pub fn update(
         &mut self,
         device: &wgpu::Device,
@@ -241,7 +328,7 @@ impl RayScene {
         instances: &[Instance],
         camera: Vec3,
     ) -> Result<(), RayError> {
-        if self.tier != RayTier::Query {
+        if self.tier != Some(RayTier::Query) {
             return Err(RayError::HostTopLevel);
         }
         self.place(device, queue, Err(top), instances, camera)
@@ -261,14 +348,34 @@ impl RayScene {
         }
         let (mut boxes, mut records, mut places) = (Vec::new(), Vec::new(), Vec::new());
         let mut least_offset = 0.0_f64;
+        self.records.clear();
         for (index, instance) in instances.iter().enumerate() {
             let (mesh, meshes) = (instance.mesh.0, self.meshes.len());
             let placed = self.meshes.get(mesh as usize).ok_or(RayError::NoMesh { instance: index, mesh, meshes })?;
-            let place = Place::of(instance.world, camera).map_err(|why| RayError::Transform {
-                instance: index,
-                mesh: placed.name.clone(),
-                why,
-            })?;
+            for (what, id) in [("material", instance.material), ("object", instance.object)] {
+                if id > 0xffff {
+                    return Err(RayError::Id { instance: index, what, id });
+                }
+            }
+            let transform = |why| RayError::Transform { instance: index, mesh: placed.name.clone(), why };
+            if self.drawn.is_some() {
+                let relative_from_own = relative_from_own(instance.world, camera).map_err(transform)?;
+                self.records.push(DrawnRecord {
+                    relative_from_own,
+                    first_triangle: placed.first_triangle,
+                    attributes: placed.attributes,
+                    identity: instance.material | instance.object << 16,
+                    places: placed.places,
+                });
+            }
+            if self.tier.is_none() {
+                continue;
+            }
+            let place = match Place::of(instance.world, camera).map_err(transform) {
+                Ok(place) => place,
+                Err(_) if self.drawn.is_some() && builder.is_ok() => continue,
+                Err(error) => return Err(error),
+            };
             // The host's own top level also counts instances without triangles.
             let Some(bounds) = placed.bounds.or(builder.is_err().then_some([Vec3::ZERO; 2])) else { continue };
             least_offset = least_offset.max(place.least_offset(bounds));
@@ -287,6 +394,11 @@ impl RayScene {
                 user: instance.user,
                 flags: u32::from(placed.masked),
             });
+        }
+        if let Some(drawn) = &mut self.drawn {
+            let grown = drawn.reserve(device, None, size_of_val(&self.records[..]) as u64, 0)?;
+            queue.write_buffer(&drawn.buffer, 0, bytemuck::cast_slice(&self.records));
+            self.changed(grown);
         }
         let (nodes, order) = match self.structures {
             Some(_) => (Vec::new(), (0..records.len() as u32).collect()),
@@ -334,13 +446,39 @@ impl RayScene {
 
     /// The GPU memory of its buffers in bytes.
     pub fn bytes(&self) -> u64 {
-        [&self.nodes, &self.geometry, &self.top].map(|b| b.buffer.size()).iter().sum()
+        let all = [Some(&self.nodes), Some(&self.geometry), Some(&self.top), self.drawn.as_ref()];
+        all.into_iter().flatten().map(|b| b.buffer.size()).sum()
     }
 
-    /// The triangles of a mesh in the order of the leaves, or for a ray query in the order of the mesh, including those
-    /// without an area.
+    /// The triangles of a mesh: for rays in software in the order of the leaves, otherwise in that of the mesh, including
+    /// those without an area.
     fn order<'a>(&self, mesh: &'a BottomLevel) -> Cow<'a, [[u32; 4]]> {
-        if self.structures.is_some() { mesh.as_they_were().into() } else { mesh.triangles[..].into() }
+        match (self.tier, &self.drawn) {
+            (Some(RayTier::Software), None) => mesh.triangles[..].into(),
+            (Some(RayTier::Software), Some(_)) => mesh.leaves_first().into(),
+            _ => mesh.as_they_were().into(),
+        }
+    }
+
+    /// The place of each triangle of a mesh in `order`, four to a vec4; empty where nothing looks for it or each is in
+    /// its own place.
+    fn places(&self, order: &[[u32; 4]]) -> Vec<[u32; 4]> {
+        let sorted = (0..).zip(order).all(|(place, triangle): (u32, _)| triangle[3] == place);
+        if self.drawn.is_none() || sorted {
+            return Vec::new();
+        }
+        let mut places = vec![[0; 4]; order.len().div_ceil(4)];
+        for (place, triangle) in (0..).zip(order) {
+            let id = triangle[3] as usize;
+            places[id / 4][id % 4] = place;
+        }
+        places
+    }
+
+    /// The buffers that a visibility buffer is read with: the geometry, and the instances of the frame. `None` if the
+    /// scene is for rays alone.
+    pub fn visibility_buffers(&self) -> Option<[&wgpu::Buffer; 2]> {
+        Some([&self.geometry.buffer, &self.drawn.as_ref()?.buffer])
     }
 
     /// The top level of [`RayTier::Query`]: the adapter's, or the host's own.
@@ -373,8 +511,8 @@ impl RayScene {
         }
     }
 
-    /// How rays are traced.
-    pub fn tier(&self) -> RayTier {
+    /// How rays are traced; `None` if they are not.
+    pub fn tier(&self) -> Option<RayTier> {
         self.tier
     }
 
@@ -395,6 +533,19 @@ fn corners(low: Vec3, high: Vec3) -> impl Iterator<Item = DVec3> {
         let pick = |bit: usize| f64::from(if corner >> bit & 1 == 0 { low[bit] } else { high[bit] });
         DVec3::new(pick(0), pick(1), pick(2))
     })
+}
+
+/// The rows of the transform from a mesh's own space to camera-relative space, in which f64 keeps the digits of worlds
+/// that are large.
+fn relative_from_own(world: Affine3A, camera: Vec3) -> Result<[[f32; 4]; 3], &'static str> {
+    let translation = Vec3::from(world.translation).as_dvec3() - camera.as_dvec3();
+    let row = |i: usize| world.matrix3.row(i).extend(translation[i] as f32).to_array();
+    let rows = [row(0), row(1), row(2)];
+    if rows.as_flattened().iter().all(|c| c.abs() <= MAX_COORDINATE) {
+        Ok(rows)
+    } else {
+        Err("is not finite, or moves it too far")
+    }
 }
 
 /// The position of an instance relative to the camera.

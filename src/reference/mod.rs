@@ -15,4 +15,6 @@ pub mod rays;
 pub mod reconstruct;
 pub mod resolve;
 pub mod selective;
+pub mod triangle;
+pub mod visibility;
 pub mod window;

@@ -6,6 +6,7 @@ mod tokens;
 pub(crate) use tokens::tokens;
 
 use crate::host::error::{ShadingError, ShadingErrorKind};
+use crate::host::gbuffer::Channels;
 use crate::host::table::TextureTier;
 use naga::common::wgsl::TypeContext as _;
 use std::ops::Range;
@@ -39,7 +40,12 @@ pub(crate) struct HostSource {
     pub solid: bool,
     /// Whether it has `reflection`, for reflections and refractions.
     pub reflects: bool,
+    /// The attributes of a sample that it reads and a G-buffer may leave out: the field, and its first line and column.
+    reads: Vec<(&'static str, [u32; 2])>,
 }
+
+/// The fields of `DaaSample` and `DaaSurface` that a G-buffer may leave out.
+const CHANNELS: [&str; 6] = ["uv", "ddx", "ddy", "tangent", "geometric_normal", "user"];
 
 const SHADE: (&str, &str) = ("shade", "fn shade(s: DaaSample) -> vec4f");
 const MATERIAL: (&str, &str) = ("material", "fn material(s: DaaSample) -> DaaMaterial");
@@ -121,7 +127,15 @@ impl HostSource {
                 return Err(at(range, ShadingErrorKind::Derivative(what)));
             }
         }
-        Ok(Self { source: source.to_owned(), tier, split, sky, solid, reflects })
+        let reads = joined.channels(&module, &info);
+        Ok(Self { source: source.to_owned(), tier, split, sky, solid, reflects, reads })
+    }
+
+    /// Checks that the source reads nothing that a stored G-buffer leaves out. `file` is named in the error.
+    pub fn check_channels(&self, file: &str, channels: Channels) -> Result<(), ShadingError> {
+        let missing = channels.missing().find_map(|name| self.reads.iter().find(|read| read.0 == name));
+        let Some(&(name, [line, column])) = missing else { return Ok(()) };
+        Err(ShadingError { file: file.to_owned(), line, column, kind: ShadingErrorKind::Channel(name) })
     }
 
     /// The functions through which the crate calls the host's functions.
@@ -159,6 +173,18 @@ impl HostSource {
     }
 }
 
+/// The name of a field of `DaaSample` or `DaaSurface`, by its index in an expression of this type.
+fn field<'m>(module: &'m naga::Module, ty: &naga::proc::TypeResolution, index: u32) -> Option<&'m str> {
+    let mut handle = ty.handle();
+    if let naga::TypeInner::Pointer { base, .. } = *ty.inner_with(&module.types) {
+        handle = Some(base);
+    }
+    let ty = &module.types[handle?];
+    let naga::TypeInner::Struct { members, .. } = &ty.inner else { return None };
+    let of_sample = ["DaaSample", "DaaSurface"].contains(&ty.name.as_deref()?);
+    members.get(index as usize)?.name.as_deref().filter(|_| of_sample)
+}
+
 /// The host's source joined with chunks, and its range in the joined text.
 struct Joined {
     text: String,
@@ -182,13 +208,45 @@ impl Joined {
 
     /// An error at a range of the joined text, with the line and column in the host's file.
     fn error(&self, file: &str, range: Option<Range<usize>>, kind: ShadingErrorKind) -> ShadingError {
-        let (mut line, mut column) = (0, 0);
-        if let Some(range) = range.filter(|r| (self.host.start..=self.host.end).contains(&r.start)) {
-            let before = &self.text[self.host.start..range.start];
-            line = before.matches('\n').count() as u32 + 1;
-            column = before.chars().rev().take_while(|&c| c != '\n').count() as u32 + 1;
-        }
+        let [line, column] = self.position(range);
         ShadingError { file: file.to_owned(), line, column, kind }
+    }
+
+    /// The line and the column of a range in the host's file, 0 if it is not the host's.
+    fn position(&self, range: Option<Range<usize>>) -> [u32; 2] {
+        let Some(range) = range.filter(|r| (self.host.start..=self.host.end).contains(&r.start)) else { return [0; 2] };
+        let before = &self.text[self.host.start..range.start];
+        let line = before.matches('\n').count() as u32 + 1;
+        [line, before.chars().rev().take_while(|&c| c != '\n').count() as u32 + 1]
+    }
+
+    /// The [`CHANNELS`] that the host's own functions read, with the first place of each.
+    fn channels(&self, module: &naga::Module, info: &naga::valid::ModuleInfo) -> Vec<(&'static str, [u32; 2])> {
+        let mut reads: Vec<(&'static str, [u32; 2])> = Vec::new();
+        let mut note = |name, place| {
+            if !reads.iter().any(|read| read.0 == name) {
+                reads.push((name, place));
+            }
+        };
+        for (handle, function) in module.functions.iter() {
+            let of_host = self.declaration(function.name.as_deref().unwrap_or_default()).is_some();
+            for (at, expression) in function.expressions.iter().filter(|_| of_host) {
+                let naga::Expression::AccessIndex { base, index } = *expression else { continue };
+                let place = self.position(function.expressions.get_span(at).to_range());
+                let field = field(module, &info[handle][base].ty, index);
+                if let Some(name) = CHANNELS.into_iter().find(|name| field == Some(*name)) {
+                    note(name, place);
+                }
+            }
+        }
+        // It reads the tangent for the host.
+        const NORMAL_MAP: &str = "daa_apply_normal_map";
+        let host = tokens(&self.text[self.host.clone()]);
+        if let Some((at, _)) = host.into_iter().find(|&(_, token)| token == NORMAL_MAP) {
+            let start = self.host.start + at;
+            note("tangent", self.position(Some(start..start + NORMAL_MAP.len())));
+        }
+        reads
     }
 
     fn parse_error(&self, file: &str, tier: TextureTier, e: &naga::front::wgsl::ParseError) -> ShadingError {
@@ -311,7 +369,7 @@ fn one_line(text: &str) -> String {
 pub(crate) const BUILTINS: &[&str] = &[
     "RayDesc", "abs", "all", "any", "array", "arrayLength", "atan2", "atomic", "atomicAdd", "atomicLoad", "atomicOr", "atomicStore", "binding_array",
     "bitcast", "bool", "clamp", "cos", "countOneBits", "cross", "dot", "exp2", "f32", "firstLeadingBit", "firstTrailingBit", "floor", "fract", "i32", "inverseSqrt", "length", "log2",
-    "mat3x3f", "mat4x2f", "mat4x4f", "max", "min", "normalize", "pack2x16snorm", "pow", "rayQueryConfirmIntersection", "rayQueryGetCandidateIntersection", "rayQueryGetCommittedIntersection",
+    "mat3x3f", "mat4x2f", "mat4x4f", "max", "min", "normalize", "pack2x16snorm", "pack4x8unorm", "pow", "rayQueryConfirmIntersection", "rayQueryGetCandidateIntersection", "rayQueryGetCommittedIntersection",
     "rayQueryInitialize", "rayQueryProceed", "reflect", "refract", "round", "sampler", "select", "sign", "sin", "sqrt", "textureLoad",
     "textureSampleGrad", "textureStore", "texture_2d", "texture_2d_array", "texture_storage_2d",
     "u32", "unpack2x16float", "unpack2x16snorm", "unpack4x8snorm", "unpack4x8unorm", "vec2f", "vec2i", "vec2u",

@@ -3,9 +3,9 @@
 use crate::harness::{self, Rig, SHOW_USER, Sample, WHITE, fill, noise, rgba8};
 use deferred_aa::glam::{Mat4, Vec2, Vec3, Vec4, camera::rh::proj::directx};
 use deferred_aa::{
-    BuildError, Camera, DebugView, DeferredAa, Descriptor, Execution, Frame, InputMistake, LendError, Needs, Normal,
-    Part, PipelineError, RecordError, Resource, Settings, SettingsError, Shading, SizeError, TableError, Technique,
-    TextureTier, Windowed, wgpu,
+    BuildError, Camera, DebugView, DeferredAa, Descriptor, Execution, Frame, GBufferTier, InputMistake, LendError,
+    Needs, Normal, Part, PipelineError, RecordError, Resource, Settings, SettingsError, Shading, SizeError, TableError,
+    Technique, TextureTier, Windowed, wgpu,
 };
 use deferred_aa_demo::gpu::Gpu;
 use insta::assert_snapshot;
@@ -34,7 +34,15 @@ fn way((technique, execution): (Technique, Execution)) -> Settings {
 
 fn descriptor(m: u32, target_format: TextureFormat, source: &str) -> Descriptor<'_> {
     let shading = Shading { source, file: "test.wgsl" };
-    Descriptor { m, target_format, shading, textures: TextureTier::None, texture_capacity: 0, rays: None }
+    Descriptor {
+        m,
+        target_format,
+        shading,
+        textures: TextureTier::None,
+        texture_capacity: 0,
+        rays: None,
+        gbuffer: GBufferTier::default(),
+    }
 }
 
 fn node(gpu: &Gpu, m: u32, format: TextureFormat, source: &str) -> DeferredAa {

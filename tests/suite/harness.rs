@@ -3,8 +3,8 @@
 use deferred_aa::reference::metrics::{Input, Worth};
 use deferred_aa::reference::octahedral;
 use deferred_aa::{
-    BINDING_FEATURES, Camera, DeferredAa, Descriptor, Frame, GBuffer, InputReport, Needs, RecordError, Settings,
-    Shading, Statistics, TextureTier, gbuffer,
+    BINDING_FEATURES, Camera, DeferredAa, Descriptor, Frame, GBuffer, GBufferTier, InputReport, Needs, RecordError,
+    Settings, Shading, Statistics, TextureTier,
     glam::{DVec3, Mat4, Vec2, Vec3, Vec4, camera::rh::proj::directx},
     wgpu,
 };
@@ -122,6 +122,7 @@ impl Rig {
             textures: TextureTier::None,
             texture_capacity: 0,
             rays: None,
+            gbuffer: GBufferTier::default(),
         };
         let mut aa = DeferredAa::new(&gpu.device, &descriptor, None).expect("a node");
         aa.resize(&gpu.device, width, height).expect("a size");
@@ -344,7 +345,7 @@ pub fn fill(gpu: &Gpu, gbuffer: &GBuffer, sample: impl Fn(u32, u32) -> Sample) {
     let width = buffer(bytemuck::bytes_of(&[gbuffer.width, 0, 0, 0]), wgpu::BufferUsages::UNIFORM);
     let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some("fill"),
-        source: wgpu::ShaderSource::Wgsl(format!("{}\n{FILL}", gbuffer::PACK_WGSL).into()),
+        source: wgpu::ShaderSource::Wgsl(format!("{}\n{FILL}", GBufferTier::default().pack_wgsl()).into()),
     });
     let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some("fill"),
@@ -365,7 +366,7 @@ pub fn fill(gpu: &Gpu, gbuffer: &GBuffer, sample: impl Fn(u32, u32) -> Sample) {
             module: &module,
             entry_point: Some("fragment"),
             compilation_options: Default::default(),
-            targets: &GBuffer::color_targets(),
+            targets: &GBufferTier::default().color_targets(),
         }),
         multiview_mask: None,
         cache: None,

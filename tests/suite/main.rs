@@ -22,3 +22,4 @@ mod shadows;
 mod textures;
 mod twin;
 mod views;
+mod visibility;

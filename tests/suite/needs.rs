@@ -4,7 +4,7 @@ use crate::shadows::{full, host};
 use bytemuck::pod_collect_to_vec;
 use deferred_aa::rays::RayTier;
 use deferred_aa::reference::rays::classify::classify;
-use deferred_aa::{DeferredAa, Effect, Needs, RecordError, Settings, Technique, TextureTier};
+use deferred_aa::{DeferredAa, Effect, GBufferTier, Needs, RecordError, Settings, Technique, TextureTier};
 use deferred_aa_demo::gpu::{self, Gpu};
 use deferred_aa_demo::host::{Host, Options, descriptor};
 use deferred_aa_demo::rays::reflective;
@@ -90,7 +90,7 @@ fn pruned_and_unpruned_images_are_the_same_bits() {
 #[test]
 fn shadows_alone_are_not_refused_for_the_room_of_reflections() {
     let adapter = gpu::choose(std::env::var("WGPU_ADAPTER_NAME").ok().as_deref()).expect("tests need an adapter");
-    let descriptor = descriptor(1, TextureTier::Arrays, RayTier::Software);
+    let descriptor = descriptor(1, TextureTier::Arrays, RayTier::Software, GBufferTier::default());
     let needed = DeferredAa::requirements(&adapter, &descriptor);
     // On the limits of every device a word for each sample fits, and six more for each pixel do not.
     let gpu = Gpu::with(adapter, needed.features, needed.limits).expect("a device");
@@ -102,6 +102,7 @@ fn shadows_alone_are_not_refused_for_the_room_of_reflections() {
         stall: 1,
         anisotropy: 1,
         rays: RayTier::Software,
+        gbuffer: GBufferTier::default(),
     };
     let mut host = Host::new(gpu, builtin("shadows").unwrap(), options).expect("a host");
     let (device, camera) = (host.gpu.device.clone(), host.scene.default_camera());

@@ -8,8 +8,8 @@ use deferred_aa::reference::metrics::SKY_DEPTH;
 use deferred_aa::reference::{octahedral, plan, resolve};
 use deferred_aa::wgpu::TextureFormat;
 use deferred_aa::{
-    Camera, DebugView, DepthMeasure, Execution, LuminanceCurve, Preset, RecordError, Settings, TableSampler, Technique,
-    TextureTier, Weight, Windowed,
+    Camera, DebugView, DepthMeasure, Execution, GBufferTier, LuminanceCurve, Preset, RecordError, Settings,
+    TableSampler, Technique, TextureTier, Weight, Windowed,
 };
 use deferred_aa_demo::host::{Host, HostError, Options};
 use deferred_aa_demo::scene::{Lens, builtin};
@@ -1150,9 +1150,11 @@ fn row_25_a_camera_inside_geometry_or_beyond_it_still_gives_a_picture() {
         stall: 1,
         anisotropy: 4,
         rays: RayTier::Software,
+        gbuffer: GBufferTier::default(),
     };
     let adapter = deferred_aa_demo::gpu::choose(std::env::var("WGPU_ADAPTER_NAME").ok().as_deref()).unwrap();
-    let descriptor = deferred_aa_demo::host::descriptor(2, TextureTier::Arrays, RayTier::Software);
+    let descriptor =
+        deferred_aa_demo::host::descriptor(2, TextureTier::Arrays, RayTier::Software, GBufferTier::default());
     let gpu = deferred_aa_demo::gpu::Gpu::new(adapter, &descriptor).unwrap();
     let mut host = Host::new(gpu, scene, options).unwrap();
     let at = |eye: Vec3| deferred_aa_demo::scene::Camera { eye, target: eye + Vec3::NEG_Z, ..own };

@@ -15,10 +15,10 @@ use deferred_aa_demo::rays::Rays;
 use deferred_aa_demo::scene::{Camera, Instance, Lens, Mesh, Scene, builtin};
 use deferred_aa_demo::upload::GpuScene;
 
-const MATTE: usize = 0;
-const MIRROR: usize = 1;
-const BUMPED: usize = 2;
-const GLASS: usize = 3;
+pub const MATTE: usize = 0;
+pub const MIRROR: usize = 1;
+pub const BUMPED: usize = 2;
+pub const GLASS: usize = 3;
 
 const HOOKS: &str = "
 fn shade(s: DaaSample) -> vec4f {
@@ -101,7 +101,7 @@ fn reflection(s: &Sample) -> Reflect {
 // ---- Scenes ----
 
 /// Vertices with what rays need of them; two colours in turn.
-fn mesh(material: usize, vertices: &[(Vec3, Vec3, Vec4, Vec2)], indices: Vec<u32>) -> Mesh {
+pub fn mesh(material: usize, vertices: &[(Vec3, Vec3, Vec4, Vec2)], indices: Vec<u32>) -> Mesh {
     Mesh {
         name: "made".to_owned(),
         positions: vertices.iter().map(|v| v.0).collect(),
@@ -115,7 +115,7 @@ fn mesh(material: usize, vertices: &[(Vec3, Vec3, Vec4, Vec2)], indices: Vec<u32
 }
 
 /// Of radius 1, smooth, its uv round the equator and down.
-fn ball(material: usize) -> Mesh {
+pub fn ball(material: usize) -> Mesh {
     let (rings, around) = (8, 12);
     let vertex = |i: u32| {
         let uv = Vec2::new((i % (around + 1)) as f32 / around as f32, (i / (around + 1)) as f32 / rings as f32);
@@ -140,7 +140,7 @@ fn ball(material: usize) -> Mesh {
 }
 
 /// Faces of a cube of side 2, the given ones of x, y, z, −x, −y, −z; bitangents of either sign.
-fn faces(material: usize, which: &[usize]) -> Mesh {
+pub fn faces(material: usize, which: &[usize]) -> Mesh {
     let (mut vertices, mut indices) = (Vec::new(), Vec::new());
     for &face in which {
         let axis = |i: usize| Vec3::AXES[(face + i) % 3];
@@ -157,28 +157,28 @@ fn faces(material: usize, which: &[usize]) -> Mesh {
     mesh(material, &vertices, indices)
 }
 
-fn block(material: usize) -> Mesh {
+pub fn block(material: usize) -> Mesh {
     faces(material, &[0, 1, 2, 3, 4, 5])
 }
 
 /// A square of side 8 at y = 0, facing up.
-fn floor(material: usize) -> (Mesh, Mat4) {
+pub fn floor(material: usize) -> (Mesh, Mat4) {
     (faces(material, &[1]), Mat4::from_translation(vec3(0.0, -0.1, 0.0)) * Mat4::from_scale(vec3(4.0, 0.1, 4.0)))
 }
 
-fn at(x: f32, y: f32, z: f32) -> Mat4 {
+pub fn at(x: f32, y: f32, z: f32) -> Mat4 {
     Mat4::from_translation(vec3(x, y, z))
 }
 
-fn turned(by: f32) -> Mat4 {
+pub fn turned(by: f32) -> Mat4 {
     Mat4::from_rotation_y(by) * Mat4::from_rotation_x(0.7 * by)
 }
 
-fn scaled(x: f32, y: f32, z: f32) -> Mat4 {
+pub fn scaled(x: f32, y: f32, z: f32) -> Mat4 {
     Mat4::from_scale(vec3(x, y, z))
 }
 
-fn scene(placed: Vec<(Mesh, Mat4)>) -> Scene {
+pub fn scene(placed: Vec<(Mesh, Mat4)>) -> Scene {
     let plain = builtin::builtin("flat").unwrap().materials[0].clone();
     let instance = |(mesh, &world_from_mesh)| Instance { mesh, world_from_mesh, object: mesh as u16 + 1 };
     let (meshes, worlds): (Vec<_>, Vec<_>) = placed.into_iter().unzip();
@@ -250,7 +250,7 @@ impl Node {
         let (device, queue) = (&gpu.device, &gpu.queue);
         let uploaded = GpuScene::new(device, queue, aa, scene, 1).unwrap();
         let raster = Raster::new(device, aa, TextureTier::Arrays, scene, &uploaded);
-        let mut rays = Rays::new(device, queue, self.tier, scene).unwrap();
+        let mut rays = Rays::new(device, queue, Some(self.tier), false, scene).unwrap();
         let camera = node_camera(camera, SIZE[0], SIZE[1]);
         let mut encoder = device.create_command_encoder(&Default::default());
         raster.record(queue, &mut encoder, scene, &uploaded, &camera, aa.gbuffer().unwrap());
@@ -340,7 +340,7 @@ fn expected(scene: &Scene, seen: &Seen) -> Vec<Reflections> {
     samples().map(|(x, y, rank)| input.reflections(x, y, rank)).collect()
 }
 
-fn views() -> Vec<(&'static str, Scene, Camera)> {
+pub fn views() -> Vec<(&'static str, Scene, Camera)> {
     let mirror = scene(vec![
         floor(MIRROR),
         (ball(MATTE), at(-1.0, 1.2, 0.0)),

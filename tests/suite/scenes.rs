@@ -5,7 +5,7 @@ use crate::harness::{device, has_bindings};
 use deferred_aa::glam::{Vec2, Vec3};
 use deferred_aa::rays::RayTier;
 use deferred_aa::reference::metrics::{Input, Worth};
-use deferred_aa::{DeferredAa, Execution, Preset, Reconstructed, Settings, Technique, TextureTier};
+use deferred_aa::{DeferredAa, Execution, GBufferTier, Preset, Reconstructed, Settings, Technique, TextureTier};
 use deferred_aa_demo::gpu::Gpu;
 use deferred_aa_demo::host::{Host, Options, descriptor};
 use deferred_aa_demo::picture::Picture;
@@ -19,12 +19,21 @@ use std::time::{Duration, Instant};
 /// A device with no more than the demo's node asks for.
 fn gpu(m: u32, tier: TextureTier) -> Gpu {
     let adapter = device(tier).adapter;
-    let needs = DeferredAa::requirements(&adapter, &descriptor(m, tier, RayTier::Software));
+    let needs = DeferredAa::requirements(&adapter, &descriptor(m, tier, RayTier::Software, GBufferTier::default()));
     Gpu::with(adapter, needs.features, needs.limits).expect("a device")
 }
 
 fn host(scene: Scene, tier: TextureTier, m: u32, [width, height]: [u32; 2]) -> Host {
-    let options = Options { width, height, m, textures: tier, stall: 1, anisotropy: 8, rays: RayTier::Software };
+    let options = Options {
+        width,
+        height,
+        m,
+        textures: tier,
+        stall: 1,
+        anisotropy: 8,
+        rays: RayTier::Software,
+        gbuffer: GBufferTier::default(),
+    };
     let name = scene.name.clone();
     Host::new(gpu(m, tier), scene, options).unwrap_or_else(|e| panic!("{name}: {e}"))
 }

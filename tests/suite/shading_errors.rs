@@ -2,7 +2,9 @@
 //! marks the place that the error must name and is taken out before the check; without a mark it must name none.
 
 use crate::harness;
-use deferred_aa::{BINDING_FEATURES, BuildError, DeferredAa, Descriptor, Shading, ShadingError, TextureTier, wgpu};
+use deferred_aa::{
+    BINDING_FEATURES, BuildError, DeferredAa, Descriptor, GBufferTier, Shading, ShadingError, TextureTier, wgpu,
+};
 use insta::assert_snapshot;
 
 const SHADE: &str = "fn shade(s: DaaSample) -> vec4f { return vec4f(s.normal, 1.0); }";
@@ -259,6 +261,7 @@ fn new_gives_the_same_error() {
         textures: TextureTier::None,
         texture_capacity: 0,
         rays: None,
+        gbuffer: GBufferTier::default(),
     };
     let built = DeferredAa::new(&gpu.device, &descriptor, None).map(|_| ());
     let checked = DeferredAa::check_shading(shading, TextureTier::None, wgpu::Features::empty());

@@ -4,8 +4,8 @@ use crate::harness::{Sample, camera, device, fill, has_bindings, noise};
 use deferred_aa::glam::{Vec2, Vec3};
 use deferred_aa::wgpu::{AddressMode, TextureFormat, TextureUsages};
 use deferred_aa::{
-    DeferredAa, Descriptor, Execution, Frame, MAX_CLASSES, MAX_SAMPLERS, Settings, Shading, Statistics, TableError,
-    TableSampler, TableTexture, Technique, TextureTable, TextureTier, Windowed, classes, wgpu,
+    DeferredAa, Descriptor, Execution, Frame, GBufferTier, MAX_CLASSES, MAX_SAMPLERS, Settings, Shading, Statistics,
+    TableError, TableSampler, TableTexture, Technique, TextureTable, TextureTier, Windowed, classes, wgpu,
 };
 use deferred_aa_demo::gpu::Gpu;
 
@@ -75,7 +75,15 @@ pub fn flat(gpu: &Gpu, color: [u8; 4]) -> wgpu::Texture {
 pub fn node(gpu: &Gpu, tier: TextureTier, m: u32, shading: &str, texture_capacity: u32) -> DeferredAa {
     let target_format = TextureFormat::Rgba32Float;
     let shading = Shading { source: shading, file: "test.wgsl" };
-    let descriptor = Descriptor { m, target_format, shading, textures: tier, texture_capacity, rays: None };
+    let descriptor = Descriptor {
+        m,
+        target_format,
+        shading,
+        textures: tier,
+        texture_capacity,
+        rays: None,
+        gbuffer: GBufferTier::default(),
+    };
     DeferredAa::new(&gpu.device, &descriptor, None).expect("a node")
 }
 
@@ -555,7 +563,15 @@ fn a_device_of_just_what_is_required_runs_every_tier() {
         for texture_capacity in [1, 300] {
             let target_format = TextureFormat::Rgba32Float;
             let shading = Shading { source: SHOW_TEXTURE, file: "test.wgsl" };
-            let descriptor = Descriptor { m: 2, target_format, shading, textures: tier, texture_capacity, rays: None };
+            let descriptor = Descriptor {
+                m: 2,
+                target_format,
+                shading,
+                textures: tier,
+                texture_capacity,
+                rays: None,
+                gbuffer: GBufferTier::default(),
+            };
             let adapter = device(tier).adapter;
             let needs = DeferredAa::requirements(&adapter, &descriptor);
             assert_eq!(needs.missing, Vec::<String>::new());

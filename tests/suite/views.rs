@@ -3,8 +3,8 @@
 use crate::harness::{self, SHOW_USER, Sample, fill, noise, rgba8};
 use deferred_aa::glam::{Mat4, Vec2, Vec3};
 use deferred_aa::{
-    DeferredAa, Descriptor, Frame, GBuffer, LendError, Lent, Part, Physical, Settings, Shading, Technique, gbuffer,
-    wgpu,
+    DeferredAa, Descriptor, Frame, GBuffer, GBufferTier, LendError, Lent, Part, Physical, Settings, Shading, Technique,
+    gbuffer, wgpu,
 };
 use deferred_aa_demo::gpu::Gpu;
 use wgpu::TextureUsages as Usage;
@@ -47,7 +47,7 @@ impl View {
         let gbuffer = GBuffer {
             width: size[0] * m,
             height: size[1] * m,
-            color: gbuffer::COLOR_FORMATS.map(made),
+            color: GBufferTier::default().color_formats().into_iter().map(made).collect(),
             depth: made(gbuffer::DEPTH_FORMAT),
         };
         fill(gpu, &gbuffer, |x, y| {

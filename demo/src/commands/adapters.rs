@@ -3,7 +3,7 @@
 use super::output::say;
 use crate::host::{self, gpu};
 use deferred_aa::rays::RayTier;
-use deferred_aa::{DeferredAa, TextureTier};
+use deferred_aa::{DeferredAa, GBufferTier, TextureTier};
 
 /// Prints a paragraph for each adapter.
 pub fn run() {
@@ -23,7 +23,8 @@ fn describe(adapter: &wgpu::Adapter) -> Vec<String> {
         info.name, info.backend, info.device_type, info.driver, info.driver_info
     )];
     for (tier, name) in [(TextureTier::Arrays, "arrays"), (TextureTier::Bindings, "bindings")] {
-        let requirements = DeferredAa::requirements(adapter, &host::descriptor(4, tier, RayTier::Software));
+        let requirements =
+            DeferredAa::requirements(adapter, &host::descriptor(4, tier, RayTier::Software, GBufferTier::default()));
         lines.push(match requirements.missing.as_slice() {
             [] => format!("texture {name}: yes"),
             missing => format!("texture {name}: no, it lacks {}", missing.join(", ")),

@@ -8,7 +8,7 @@ use crate::names::did_you_mean;
 use crate::scene::open::open;
 use crate::scene::{Camera, Scene};
 use deferred_aa::rays::RayTier;
-use deferred_aa::{Preset, Technique, TextureTier};
+use deferred_aa::{GBufferTier, Preset, Technique, TextureTier};
 use glam::Vec3;
 use std::path::PathBuf;
 
@@ -47,6 +47,10 @@ pub struct SceneArgs {
     /// Who traces rays: software (WGSL, on any adapter) or query (the adapter's ray query).
     #[arg(long, default_value = "software")]
     pub rays: RayArg,
+    /// What the G-buffer keeps of a sample: stored (its attributes) or visibility (its triangle); visibility where the
+    /// adapter can, if not given.
+    #[arg(long)]
+    pub gbuffer: Option<GBufferArg>,
     /// Of texture reads, 1 to 16.
     #[arg(long, default_value_t = 16)]
     pub anisotropy: u16,
@@ -88,6 +92,28 @@ impl RayArg {
     }
 }
 
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum GBufferArg {
+    Stored,
+    Visibility,
+}
+
+impl GBufferArg {
+    /// The tier for a scene on an adapter.
+    pub fn tier(asked: Option<Self>, scene: &Scene, adapter: &wgpu::Adapter) -> Result<GBufferTier, CommandError> {
+        let best = host::gbuffer_tier(scene, adapter);
+        match asked {
+            None => Ok(best),
+            Some(Self::Stored) => Ok(host::stored(scene)),
+            Some(Self::Visibility) if best == GBufferTier::Visibility => Ok(best),
+            Some(Self::Visibility) => {
+                let name = adapter.get_info().name;
+                Err(wrong("--gbuffer", format!("'{name}' can't tell triangles apart (no PRIMITIVE_INDEX): use stored")))
+            }
+        }
+    }
+}
+
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CameraArg {
     pub eye: Vec3,
@@ -100,6 +126,7 @@ pub struct Opened {
     pub scene: Scene,
     pub gpu: Gpu,
     pub camera: Camera,
+    pub gbuffer: GBufferTier,
 }
 
 impl ViewArgs {
@@ -107,7 +134,7 @@ impl ViewArgs {
     pub fn open(&self) -> Result<(Host, Camera), CommandError> {
         let m = check_m(self.m)?;
         let args = &self.scene;
-        let Opened { scene, gpu, camera } = args.open(m)?;
+        let Opened { scene, gpu, camera, gbuffer } = args.open(m)?;
         let (width, height) = args.size;
         let textures = args.textures.tier();
         let options = Options {
@@ -118,6 +145,7 @@ impl ViewArgs {
             stall: args.stall,
             anisotropy: args.anisotropy,
             rays: args.rays.tier(),
+            gbuffer,
         };
         let host = Host::new(gpu, scene, options)?;
         note(&host);
@@ -138,10 +166,11 @@ impl SceneArgs {
         std::fs::create_dir_all(&self.out)
             .map_err(|e| wrong("--out", format!("{}: {e}; name a folder that can be made", self.out.display())))?;
         let adapter = gpu::choose(self.adapter.as_deref())?;
-        let gpu = Gpu::new(adapter, &host::descriptor(m, self.textures.tier(), self.rays.tier()))?;
+        let gbuffer = GBufferArg::tier(self.gbuffer, &scene, &adapter)?;
+        let gpu = Gpu::new(adapter, &host::descriptor(m, self.textures.tier(), self.rays.tier(), gbuffer))?;
         let own = scene.default_camera();
         let camera = self.camera.map_or(own, |c| look_at(c.eye, c.target, c.fov_y, own.near));
-        Ok(Opened { scene, gpu, camera })
+        Ok(Opened { scene, gpu, camera, gbuffer })
     }
 }
 

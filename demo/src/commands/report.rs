@@ -10,7 +10,7 @@ use crate::report::plan::{PEERS, TECHNIQUES};
 use crate::report::session::{Request, Session, stop_on_interrupt};
 use crate::report::{run, table};
 use crate::scene::{Instance, Scene};
-use deferred_aa::Settings;
+use deferred_aa::{GBufferTier, Settings};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
@@ -65,6 +65,7 @@ impl Report {
             frames: self.frames.unwrap_or(if self.quick { 3 } else { 5 }).max(1),
             textures: self.view.textures.tier(),
             rays: self.view.rays.tier(),
+            gbuffer: GBufferTier::default(),
             anisotropy: self.view.anisotropy,
             focus: Vec::new(),
             base: set::apply(Settings::default(), &self.settings)?,
@@ -76,7 +77,8 @@ impl Report {
             let problem = "nothing to measure: at m = 1 there is single alone; name other techniques or a larger m";
             return Err(wrong("--m", problem.to_owned()));
         }
-        let Opened { scene, gpu, camera } = self.view.open(largest)?;
+        let Opened { scene, gpu, camera, gbuffer } = self.view.open(largest)?;
+        request.gbuffer = gbuffer;
         request.focus = focus(&self.focus, &scene)?;
         let folder = Folder::open(&self.view.out, run::bytes(&request, &plan), request.resume)?;
         stop_on_interrupt();

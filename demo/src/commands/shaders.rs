@@ -1,12 +1,12 @@
 //! `shaders`: the node's shaders in other languages.
 
-use super::args::{RayArg, check_m};
+use super::args::{GBufferArg, RayArg, check_m};
 use super::error::{CommandError, wrong};
 use super::output::{say, write_json};
 use super::set::SettingsArgs;
 use crate::host;
 use crate::shaders::{self, Lang, Request};
-use deferred_aa::{Shading, TextureTier};
+use deferred_aa::{GBufferTier, Shading, TextureTier};
 use std::path::{Path, PathBuf};
 
 /// See `deferred-aa-demo shaders --help`.
@@ -33,6 +33,9 @@ pub struct Shaders {
     /// buffers) or query (ray query).
     #[arg(long, default_value = "software")]
     rays: RayArg,
+    /// What the G-buffer keeps of a sample: stored (its attributes) or visibility (its triangle).
+    #[arg(long, default_value = "stored")]
+    gbuffer: GBufferArg,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -47,7 +50,7 @@ impl Shaders {
         let settings = self.settings.settings()?;
         let text = self.shading.as_deref().map(read).transpose()?;
         let name = self.shading.as_deref().map_or_else(String::new, |path| path.display().to_string());
-        let own = host::descriptor(1, TextureTier::Arrays, self.rays.tier()).shading;
+        let own = host::descriptor(1, TextureTier::Arrays, self.rays.tier(), GBufferTier::default()).shading;
         let shading = text.as_deref().map_or(own, |source| Shading { source, file: &name });
         let textures = match (self.textures, &text) {
             (Some(TierArg::Arrays), _) | (None, None) => TextureTier::Arrays,
@@ -60,6 +63,10 @@ impl Shaders {
             settings: &settings,
             textures,
             rays: self.rays.tier(),
+            gbuffer: match self.gbuffer {
+                GBufferArg::Stored => GBufferTier::default(),
+                GBufferArg::Visibility => GBufferTier::Visibility,
+            },
             shading,
         };
         let export = shaders::export(&request)?;

@@ -229,6 +229,7 @@ impl Tune {
             stall: 1,
             textures: TextureArg::Arrays,
             rays: RayArg::Software,
+            gbuffer: None,
             anisotropy: 16,
             adapter: self.adapter.clone(),
             out: self.out.clone(),

@@ -1,6 +1,6 @@
 //! `view`: the window.
 
-use super::args::{CameraArg, RayArg, TextureArg, check_m, parse_camera, parse_size};
+use super::args::{CameraArg, GBufferArg, RayArg, TextureArg, check_m, parse_camera, parse_size};
 use super::error::{CommandError, wrong};
 use crate::host::Options;
 use crate::host::gpu;
@@ -9,6 +9,7 @@ use crate::scene::builtin;
 use crate::scene::open::open;
 use crate::settings_file;
 use crate::view::{self, Kept, Source, Start};
+use deferred_aa::GBufferTier;
 use std::path::{Path, PathBuf};
 
 /// See `deferred-aa-demo view --help`.
@@ -38,6 +39,10 @@ pub struct View {
     /// Who traces rays: software (WGSL, on any adapter) or query (the adapter's ray query).
     #[arg(long, default_value = "software")]
     rays: RayArg,
+    /// What the G-buffer keeps of a sample: stored (its attributes) or visibility (its triangle); visibility where the
+    /// adapter can, if not given.
+    #[arg(long)]
+    gbuffer: Option<GBufferArg>,
     /// Part of the adapter's name; `adapters` lists them.
     #[arg(long)]
     adapter: Option<String>,
@@ -87,6 +92,10 @@ impl View {
             stall: kept.stall,
             anisotropy: 16,
             rays: self.rays.tier(),
+            gbuffer: match self.gbuffer {
+                Some(GBufferArg::Stored) => GBufferTier::default(),
+                _ => GBufferTier::Visibility,
+            },
         };
         let start = Start {
             source: Source { name: self.scene, index: self.scene_index },

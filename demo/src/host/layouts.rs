@@ -4,11 +4,12 @@
 #[allow(dead_code, reason = "the library's tests use the rest")]
 mod compare;
 
+use crate::host::raster::source;
 use crate::host::raster::{Instance, View};
 use crate::host::upload::{GpuLight, GpuMaterial, Vertex};
 use crate::host::{Lighting, SHADING_WGSL};
 use compare::{parse, rust_layout, wgsl_layout};
-use deferred_aa::{CONTRACT_WGSL, DeferredAa, TextureTier, gbuffer};
+use deferred_aa::{CONTRACT_WGSL, DeferredAa, GBufferTier, TextureTier};
 use wgpu::naga;
 
 fn shading(tier: TextureTier) -> naga::Module {
@@ -18,9 +19,7 @@ fn shading(tier: TextureTier) -> naga::Module {
 
 /// Joined as [`Raster`](crate::host::raster::Raster) joins it.
 fn raster(tier: TextureTier) -> naga::Module {
-    let (directives, table) = DeferredAa::texture_wgsl(tier);
-    let own = [include_str!("material.wgsl"), include_str!("raster.wgsl")];
-    parse(&[directives, gbuffer::PACK_WGSL, table, own[0], own[1]].join("\n"))
+    parse(&source(tier, GBufferTier::default()))
 }
 
 const TIERS: [TextureTier; 2] = [TextureTier::Arrays, TextureTier::Bindings];

@@ -7,13 +7,14 @@ pub mod mips;
 pub mod raster;
 pub mod rays;
 pub mod upload;
+pub mod visible;
 
 use crate::picture::Picture;
 use crate::scene::{Camera, Material, Scene, Sun};
 use deferred_aa::rays::{RayError, RayTier};
 use deferred_aa::{
-    BuildError, CastingLight, DebugView, DeferredAa, Descriptor, Effect, Frame, GBuffer, Needs, ObjectImportance, Pass,
-    PlanWord, RecordError, Settings, Shading, SizeError, Statistics, Technique, TextureTier,
+    BuildError, CastingLight, Channels, DebugView, DeferredAa, Descriptor, Effect, Frame, GBuffer, GBufferTier, Needs,
+    ObjectImportance, Pass, PlanWord, RecordError, Settings, Shading, SizeError, Statistics, Technique, TextureTier,
 };
 use glam::Vec3;
 use gpu::Gpu;
@@ -27,8 +28,13 @@ pub const TARGET_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 /// The most textures of a scene on the binding tier.
 pub const TEXTURE_CAPACITY: u32 = 1024;
 
-/// material.wgsl and shading.wgsl: the host's WGSL.
-pub const SHADING_WGSL: &str = concat!(include_str!("material.wgsl"), "\n", include_str!("shading.wgsl"));
+/// The host's WGSL.
+pub const SHADING_WGSL: &str =
+    concat!(include_str!("material.wgsl"), "\n", include_str!("textured.wgsl"), "\n", include_str!("shading.wgsl"));
+
+/// The host's WGSL for scenes without textures.
+pub const UNTEXTURED_WGSL: &str =
+    concat!(include_str!("material.wgsl"), "\n", include_str!("untextured.wgsl"), "\n", include_str!("shading.wgsl"));
 
 /// The options that are fixed for a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,6 +53,8 @@ pub struct Options {
     pub anisotropy: u16,
     /// The tier that traces rays.
     pub rays: RayTier,
+    /// How the G-buffer keeps its samples.
+    pub gbuffer: GBufferTier,
 }
 
 /// A host with a scene loaded.
@@ -76,6 +84,8 @@ pub struct Host {
     lighting_values: Lighting,
     target: wgpu::Texture,
     target_view: wgpu::TextureView,
+    /// The camera of the G-buffer.
+    shown: Option<deferred_aa::Camera>,
 }
 
 /// A rendered frame.
@@ -140,12 +150,28 @@ pub(crate) struct Lighting {
     pub(crate) sun_casts: u32,
 }
 
+/// The stored G-buffer of scenes without textures.
+const UNTEXTURED: GBufferTier = GBufferTier::Stored(Channels { uv: false, tangent: false, ..Channels::ALL });
+
+/// The stored G-buffer of a scene: what its shading reads.
+pub fn stored(scene: &Scene) -> GBufferTier {
+    if scene.textures.is_empty() { UNTEXTURED } else { GBufferTier::default() }
+}
+
+/// The G-buffer of a scene on an adapter: a visibility buffer wherever the adapter tells triangles apart.
+pub fn gbuffer_tier(scene: &Scene, adapter: &wgpu::Adapter) -> GBufferTier {
+    let has = adapter.features().contains(wgpu::Features::PRIMITIVE_INDEX);
+    if has { GBufferTier::Visibility } else { stored(scene) }
+}
+
 /// The descriptor of the demo's nodes.
-pub fn descriptor(m: u32, textures: TextureTier, rays: RayTier) -> Descriptor<'static> {
+pub fn descriptor(m: u32, textures: TextureTier, rays: RayTier, gbuffer: GBufferTier) -> Descriptor<'static> {
+    let source = if gbuffer == UNTEXTURED { UNTEXTURED_WGSL } else { SHADING_WGSL };
     Descriptor {
         m,
         target_format: TARGET_FORMAT,
-        shading: Shading { source: SHADING_WGSL, file: "demo/src/host/shading.wgsl" },
+        gbuffer,
+        shading: Shading { source, file: "demo/src/host/shading.wgsl" },
         textures,
         texture_capacity: TEXTURE_CAPACITY,
         rays: Some(rays),
@@ -184,6 +210,13 @@ fn target(device: &wgpu::Device, width: u32, height: u32) -> (wgpu::Texture, wgp
     (texture, view)
 }
 
+impl Options {
+    /// The descriptor of a node with these options.
+    pub fn descriptor(&self) -> Descriptor<'static> {
+        descriptor(self.m, self.textures, self.rays, self.gbuffer)
+    }
+}
+
 impl HostError {
     /// The device is gone, and with it all that is on it.
     pub fn is_loss(&self) -> bool {
@@ -196,7 +229,7 @@ impl Host {
     pub fn new(gpu: Gpu, scene: Scene, options: Options) -> Result<Self, HostError> {
         let device = &gpu.device;
         let layout = host_layout(device);
-        let mut aa = DeferredAa::new(device, &descriptor(options.m, options.textures, options.rays), Some(&layout))?;
+        let mut aa = DeferredAa::new(device, &options.descriptor(), Some(&layout))?;
         aa.resize(device, options.width, options.height)?;
         let uploaded = GpuScene::new(device, &gpu.queue, &aa, &scene, options.anisotropy)?;
         let raster = Raster::new(device, &aa, options.textures, &scene, &uploaded);
@@ -243,6 +276,7 @@ impl Host {
             lighting_values: values,
             target,
             target_view,
+            shown: None,
             gpu,
         };
         host.set_sun(sun);
@@ -258,10 +292,7 @@ impl Host {
 
     /// [`frame`](Self::frame) by a camera that may be off-centre, such as part of another's picture.
     pub fn frame_with(&mut self, camera: deferred_aa::Camera, settings: Settings) -> Result<Shot, HostError> {
-        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        if let Some(gbuffer) = self.aa.gbuffer() {
-            self.raster.record(&self.gpu.queue, &mut encoder, &self.scene, &self.uploaded, &camera, gbuffer);
-        }
+        let encoder = self.raster(&camera);
         let statistics = self.shade(encoder, camera, settings, DeferredAa::record)?;
         Ok(Shot { statistics, gbuffer_ms: self.raster.milliseconds(&self.gpu) })
     }
@@ -274,11 +305,18 @@ impl Host {
         record: impl FnOnce(&mut DeferredAa, &wgpu::Queue, &mut wgpu::CommandEncoder, &Frame<'_>) -> Result<(), RecordError>,
     ) -> Result<Statistics, HostError> {
         let camera = node_camera(camera, self.options.width, self.options.height);
+        let encoder = self.raster(&camera);
+        self.shade(encoder, camera, settings, record)
+    }
+
+    /// Records the G-buffer.
+    fn raster(&mut self, camera: &deferred_aa::Camera) -> wgpu::CommandEncoder {
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         if let Some(gbuffer) = self.aa.gbuffer() {
-            self.raster.record(&self.gpu.queue, &mut encoder, &self.scene, &self.uploaded, &camera, gbuffer);
+            self.raster.record(&self.gpu.queue, &mut encoder, &self.scene, &self.uploaded, camera, gbuffer);
         }
-        self.shade(encoder, camera, settings, record)
+        self.shown = Some(*camera);
+        encoder
     }
 
     /// [`frame`](Self::frame) over the last frame's G-buffer, which must be of the same camera: for many settings on one
@@ -304,17 +342,19 @@ impl Host {
         let reflective =
             reflections.contains(&Effect::On) || (!self.reflective.is_empty() && reflections.contains(&Effect::Auto));
         let traces = settings.shadows == Effect::On || !shadows.is_empty() || reflective;
-        if traces {
+        let visible = self.options.gbuffer == GBufferTier::Visibility;
+        if traces || visible {
             let rays = match &mut self.rays {
-                Some(rays) => rays,
+                Some(rays) if !traces || rays.scene.tier().is_some() => rays,
                 none => {
                     let (device, queue) = (&self.gpu.device, &self.gpu.queue);
-                    none.insert(Rays::new(device, queue, self.options.rays, &self.scene)?)
+                    let tier = traces.then_some(self.options.rays);
+                    none.insert(Rays::new(device, queue, tier, visible, &self.scene)?)
                 }
             };
             rays.update(&self.gpu.device, &self.gpu.queue, &mut encoder, camera.world_from_view.w_axis.truncate())?;
         }
-        let rays = self.rays.as_ref().filter(|_| traces).map(|r| &r.scene);
+        let rays = self.rays.as_ref().filter(|_| traces || visible).map(|r| &r.scene);
         let frame = Frame {
             needs: Needs {
                 rays,
@@ -428,11 +468,18 @@ impl Host {
         mask
     }
 
-    /// The first target of the last frame's G-buffer, rows from the top: normal (octahedral 16+16), material and object.
+    /// The surfaces of the last frame's G-buffer, rows from the top: normal (octahedral 16+16), material and object.
     /// Waits.
     pub fn surfaces(&self) -> Vec<[u32; 2]> {
         let read = |g: &GBuffer| self.gpu.read_texture(g.color[0].texture(), 8);
-        self.aa.gbuffer().map_or(Vec::new(), |g| bytemuck::pod_collect_to_vec(&read(g)))
+        let first = self.aa.gbuffer().map_or(Vec::new(), |g| bytemuck::pod_collect_to_vec(&read(g)));
+        match (self.options.gbuffer, &self.shown) {
+            (GBufferTier::Visibility, Some(camera)) => {
+                let width = (self.options.width * self.options.m) as usize;
+                visible::surfaces(&self.scene, camera, &first, &self.depths(), width)
+            }
+            _ => first,
+        }
     }
 
     /// The depth target of the last frame's G-buffer, rows from the top: reversed z, 0 is the sky. Waits.

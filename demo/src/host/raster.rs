@@ -2,7 +2,7 @@
 
 use crate::host::upload::{GpuScene, Vertex};
 use crate::scene::{Camera, Lens, Scene};
-use deferred_aa::{DeferredAa, GBuffer, TextureTier, gbuffer};
+use deferred_aa::{DeferredAa, GBuffer, GBufferTier, TextureTier};
 use glam::camera::rh::{proj::directx, view::look_at_mat4};
 use glam::{DMat4, DVec3, Mat4, Vec2, Vec3, Vec4};
 
@@ -76,7 +76,7 @@ pub fn crop(camera: deferred_aa::Camera, full: Vec2, at: Vec2, size: Vec2) -> de
 
 impl Raster {
     /// Compiles the pipelines and lays out the draws.
-    pub fn new(device: &wgpu::Device, aa: &DeferredAa, tier: TextureTier, scene: &Scene, gpu: &GpuScene) -> Self {
+    pub fn new(device: &wgpu::Device, aa: &DeferredAa, textures: TextureTier, scene: &Scene, gpu: &GpuScene) -> Self {
         let storage = |binding, visibility| wgpu::BindGroupLayoutEntry {
             binding,
             visibility,
@@ -105,13 +105,17 @@ impl Raster {
                 storage(2, wgpu::ShaderStages::FRAGMENT),
             ],
         });
-        let (directives, table) = DeferredAa::texture_wgsl(tier);
-        let source =
-            [directives, gbuffer::PACK_WGSL, table, include_str!("material.wgsl"), include_str!("raster.wgsl")];
+        let tier = aa.gbuffer_tier();
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("raster"),
-            source: wgpu::ShaderSource::Wgsl(source.join("\n").into()),
+            source: wgpu::ShaderSource::Wgsl(source(textures, tier).into()),
         });
+        // An opaque triangle of a visibility buffer needs nothing of a vertex but its position.
+        let entries = match tier {
+            GBufferTier::Stored(_) => [("raster_vertex", "raster_opaque"), ("raster_vertex", "raster_mask")],
+            GBufferTier::Visibility => [("ids_vertex", "ids_opaque"), ("raster_vertex", "ids_mask")],
+        };
+        let targets = tier.color_targets();
         let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("raster"),
             bind_group_layouts: &[Some(&layout), aa.texture_layout()],
@@ -124,7 +128,7 @@ impl Raster {
                 layout: Some(&pipeline_layout),
                 vertex: wgpu::VertexState {
                     module: &module,
-                    entry_point: Some("raster_vertex"),
+                    entry_point: Some(entries[usize::from(mask)].0),
                     compilation_options: Default::default(),
                     buffers: &[Some(wgpu::VertexBufferLayout {
                         array_stride: size_of::<Vertex>() as u64,
@@ -141,9 +145,9 @@ impl Raster {
                 multisample: Default::default(),
                 fragment: Some(wgpu::FragmentState {
                     module: &module,
-                    entry_point: Some(if mask { "raster_mask" } else { "raster_opaque" }),
+                    entry_point: Some(entries[usize::from(mask)].1),
                     compilation_options: Default::default(),
-                    targets: &GBuffer::color_targets(),
+                    targets: &targets,
                 }),
                 multiview_mask: None,
                 cache: None,
@@ -256,6 +260,17 @@ impl Raster {
         let ticks: Vec<u64> = bytes.as_chunks::<8>().0.iter().map(|&b| u64::from_le_bytes(b)).collect();
         Some(ticks[1].saturating_sub(ticks[0]) as f64 * f64::from(gpu.queue.get_timestamp_period()) * 1e-6)
     }
+}
+
+/// The shader for a tier of textures and of the G-buffer.
+pub(crate) fn source(textures: TextureTier, tier: GBufferTier) -> String {
+    let (directives, table) = DeferredAa::texture_wgsl(textures);
+    let (enable, own) = match tier {
+        GBufferTier::Stored(_) => ("", include_str!("raster_stored.wgsl")),
+        GBufferTier::Visibility => ("enable primitive_index;", include_str!("raster_ids.wgsl")),
+    };
+    let pack = tier.pack_wgsl();
+    [enable, directives, &pack, table, include_str!("material.wgsl"), include_str!("raster.wgsl"), own].join("\n")
 }
 
 /// Camera-relative in f64, so that a scene far from the origin keeps its digits.

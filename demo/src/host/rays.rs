@@ -24,12 +24,21 @@ pub struct Rays {
 }
 
 impl Rays {
-    /// Builds the bottom levels on all cores and uploads them.
-    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, tier: RayTier, scene: &Scene) -> Result<Self, RayError> {
+    /// Builds the bottom levels on all cores and uploads them, for rays on a tier, for a visibility buffer, or both.
+    pub fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        tier: Option<RayTier>,
+        visible: bool,
+        scene: &Scene,
+    ) -> Result<Self, RayError> {
         let start = Instant::now();
-        let built = build(scene)?;
+        let built = build(scene, tier == Some(RayTier::Software))?;
         let built_in = start.elapsed();
-        let mut on_gpu = RayScene::new(device, tier);
+        let mut on_gpu = match tier {
+            Some(tier) if !visible => RayScene::new(device, tier),
+            tier => RayScene::for_visibility(device, tier),
+        };
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("ray scene") });
         let meshes: Vec<MeshId> =
             built.iter().map(|mesh| on_gpu.add(device, queue, &mut encoder, mesh)).collect::<Result<_, _>>()?;
@@ -66,8 +75,8 @@ impl Rays {
     }
 }
 
-/// The bottom levels of a scene's meshes, on all cores.
-pub fn build(scene: &Scene) -> Result<Vec<BottomLevel>, RayError> {
+/// The bottom levels of a scene's meshes, on all cores, with trees or without.
+pub fn build(scene: &Scene, trees: bool) -> Result<Vec<BottomLevel>, RayError> {
     let next = AtomicUsize::new(0);
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     // The largest first, so that none is left to one core at the end.
@@ -76,7 +85,7 @@ pub fn build(scene: &Scene) -> Result<Vec<BottomLevel>, RayError> {
     let work = || {
         let mut built = Vec::new();
         while let Some(&i) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
-            built.push((i, bottom_level(scene, &scene.meshes[i])));
+            built.push((i, bottom_level(scene, &scene.meshes[i], trees)));
         }
         built
     };
@@ -88,7 +97,7 @@ pub fn build(scene: &Scene) -> Result<Vec<BottomLevel>, RayError> {
     all.into_iter().map(|(_, built)| built).collect()
 }
 
-fn bottom_level(scene: &Scene, mesh: &scene::Mesh) -> Result<BottomLevel, RayError> {
+fn bottom_level(scene: &Scene, mesh: &scene::Mesh, tree: bool) -> Result<BottomLevel, RayError> {
     let positions: Vec<_> = mesh.positions.iter().map(|p| p.to_array()).collect();
     let attributes: Vec<_> = (0..positions.len())
         .map(|i| Attributes {
@@ -98,7 +107,8 @@ fn bottom_level(scene: &Scene, mesh: &scene::Mesh) -> Result<BottomLevel, RayErr
             user: u32::from_le_bytes(crate::host::upload::color(mesh.colors[i])),
         })
         .collect();
-    BottomLevel::build(&rays::Mesh {
+    let make = if tree { BottomLevel::build } else { BottomLevel::untraced };
+    make(&rays::Mesh {
         name: &mesh.name,
         positions: &positions,
         indices: &mesh.indices,

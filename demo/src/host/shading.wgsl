@@ -1,5 +1,5 @@
 // The demo's shading: glTF metallic-roughness under a sun, punctual lights and a sky. Joined with material.wgsl, which
-// goes first.
+// goes first, and textured.wgsl or untextured.wgsl.
 
 struct Lighting {
     /// Towards the sun.
@@ -49,7 +49,6 @@ fn sky(s: DaaSample) -> vec4f {
 
 fn material(s: DaaSample) -> DaaMaterial {
     let index = min(s.material, arrayLength(&materials) - 1u);
-    let textures = materials[index].textures;
     let tint = unpack4x8unorm(s.user);
     var m: DaaMaterial;
     m.base_color = materials[index].base_color * tint;
@@ -59,26 +58,7 @@ fn material(s: DaaSample) -> DaaMaterial {
     m.normal = s.normal;
     m.occlusion = 1.0;
     m.user0 = vec4f(f32(materials[index].unlit), materials[index].transmission, materials[index].ior, 0.0);
-    if textures[BASE_COLOR] != NO_TEXTURE {
-        m.base_color *= material_texture(index, BASE_COLOR, s.uv, s.ddx, s.ddy);
-    }
-    if textures[METALLIC_ROUGHNESS] != NO_TEXTURE {
-        let t = material_texture(index, METALLIC_ROUGHNESS, s.uv, s.ddx, s.ddy);
-        m.roughness *= t.g;
-        m.metallic *= t.b;
-    }
-    if textures[NORMAL] != NO_TEXTURE {
-        let t = material_texture(index, NORMAL, s.uv, s.ddx, s.ddy).xyz * 2.0 - 1.0;
-        m.normal = daa_apply_normal_map(s, vec3f(t.xy * materials[index].normal_scale, t.z));
-    }
-    if textures[OCCLUSION] != NO_TEXTURE {
-        let t = material_texture(index, OCCLUSION, s.uv, s.ddx, s.ddy).r;
-        m.occlusion = 1.0 + materials[index].occlusion_strength * (t - 1.0);
-    }
-    if textures[EMISSIVE] != NO_TEXTURE {
-        m.emissive *= material_texture(index, EMISSIVE, s.uv, s.ddx, s.ddy).rgb;
-    }
-    return m;
+    return textured(m, s, index);
 }
 
 /// Where a masked material stops a ray: at the finest mip, for a ray has no footprint here.

@@ -134,7 +134,7 @@ mod tests {
     use crate::host::{self, Host, Options};
     use crate::scene::builtin::builtin;
     use deferred_aa::rays::RayTier;
-    use deferred_aa::{Settings, Technique, TextureTier};
+    use deferred_aa::{GBufferTier, Settings, Technique, TextureTier};
 
     fn grey(values: &[f32]) -> Picture {
         Picture::new(values.len() as u32, 1, values.iter().map(|&v| [v, v, v, 1.0]).collect()).unwrap()
@@ -220,8 +220,11 @@ mod tests {
     #[test]
     fn a_pan_of_all_frames_is_one_pixel() {
         let (width, height, m) = (64, 36, 2);
-        let gpu =
-            Gpu::new(gpu::choose(None).unwrap(), &host::descriptor(m, TextureTier::Arrays, RayTier::Software)).unwrap();
+        let gpu = Gpu::new(
+            gpu::choose(None).unwrap(),
+            &host::descriptor(m, TextureTier::Arrays, RayTier::Software, GBufferTier::default()),
+        )
+        .unwrap();
         let options = Options {
             width,
             height,
@@ -230,6 +233,7 @@ mod tests {
             stall: 1,
             anisotropy: 16,
             rays: RayTier::Software,
+            gbuffer: GBufferTier::default(),
         };
         let mut host = Host::new(gpu, builtin("fence").unwrap(), options).unwrap();
         let view = host.scene.default_camera();

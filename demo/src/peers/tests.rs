@@ -1,13 +1,17 @@
 use super::*;
 use crate::host::{self, gpu};
-use deferred_aa::TextureTier;
 use deferred_aa::rays::RayTier;
+use deferred_aa::{GBufferTier, TextureTier};
 
 const DARK: u8 = 40;
 const BRIGHT: u8 = 200;
 
 fn gpu() -> Gpu {
-    Gpu::new(gpu::choose(None).unwrap(), &host::descriptor(1, TextureTier::Arrays, RayTier::Software)).unwrap()
+    Gpu::new(
+        gpu::choose(None).unwrap(),
+        &host::descriptor(1, TextureTier::Arrays, RayTier::Software, GBufferTier::default()),
+    )
+    .unwrap()
 }
 
 /// Linear HDR of the host's format.

@@ -9,7 +9,14 @@ pub struct Fingerprint(Sha256);
 
 /// All shader code that has a part in an image. The library's own too: a result of other code is another result.
 fn code() -> Vec<&'static str> {
-    let own = [crate::host::SHADING_WGSL, include_str!("../host/raster.wgsl"), env!("CARGO_PKG_VERSION")];
+    let own = [
+        crate::host::SHADING_WGSL,
+        crate::host::UNTEXTURED_WGSL,
+        include_str!("../host/raster.wgsl"),
+        include_str!("../host/raster_stored.wgsl"),
+        include_str!("../host/raster_ids.wgsl"),
+        env!("CARGO_PKG_VERSION"),
+    ];
     own.into_iter().chain(deferred_aa::shader_texts()).collect()
 }
 

@@ -210,7 +210,7 @@ mod tests {
     use crate::report::folder::Folder;
     use crate::scene::builtin::builtin;
     use deferred_aa::rays::RayTier;
-    use deferred_aa::{Settings, TextureTier};
+    use deferred_aa::{GBufferTier, Settings, TextureTier};
     use std::path::Path;
 
     fn session(path: &Path) -> Session {
@@ -225,14 +225,18 @@ mod tests {
             frames: 1,
             textures: TextureTier::Arrays,
             rays: RayTier::Software,
+            gbuffer: GBufferTier::default(),
             anisotropy: 16,
             focus: Vec::new(),
             base: Settings::default(),
             resume: true,
             cache: Some(path.join("cache")),
         };
-        let gpu =
-            Gpu::new(gpu::choose(None).unwrap(), &host::descriptor(2, request.textures, RayTier::Software)).unwrap();
+        let gpu = Gpu::new(
+            gpu::choose(None).unwrap(),
+            &host::descriptor(2, request.textures, RayTier::Software, GBufferTier::default()),
+        )
+        .unwrap();
         let folder = Folder::open(&path.join("out"), 0, true).unwrap();
         let scene = builtin("cornell").unwrap();
         let view = scene.default_camera();

@@ -9,7 +9,7 @@ use crate::host::{Host, Options, Shot};
 use crate::measure::stats::Adapter;
 use crate::scene::{Camera, Scene};
 use deferred_aa::rays::RayTier;
-use deferred_aa::{Settings, TextureTier};
+use deferred_aa::{GBufferTier, Settings, TextureTier};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
@@ -39,6 +39,8 @@ pub struct Request {
     pub textures: TextureTier,
     /// The tier that traces rays.
     pub rays: RayTier,
+    /// How the G-buffer keeps its samples.
+    pub gbuffer: GBufferTier,
     /// Anisotropy of texture reads, 1 to 16.
     pub anisotropy: u16,
     /// Objects that the focused rows of the papers' tables are about; the one in the middle if there is none.
@@ -94,7 +96,7 @@ impl Session {
         let mut fingerprint = Fingerprint::of_scene(&scene);
         let adapter = Adapter::of(&gpu);
         let Settings { shadows, reflections, refraction, .. } = request.base;
-        fingerprint.text(&(shadows, reflections, refraction, request.rays));
+        fingerprint.text(&(shadows, reflections, refraction, request.rays, request.gbuffer));
         fingerprint.text(&(view, request.width, request.height, request.anisotropy, request.textures, adapter));
         // Hidden where stderr is no terminal.
         let bar = ProgressBar::new_spinner();
@@ -160,8 +162,9 @@ impl Session {
 
     /// A host of a variant of the scene, at another size.
     pub fn host_of(&self, scene: Scene, m: u32, (width, height): (u32, u32)) -> Result<Host, ReportError> {
-        let Request { textures, stall, anisotropy, rays, .. } = self.request;
-        let host = Host::new(self.gpu.clone(), scene, Options { width, height, m, textures, stall, anisotropy, rays })?;
+        let Request { textures, stall, anisotropy, rays, gbuffer, .. } = self.request;
+        let options = Options { width, height, m, textures, stall, anisotropy, rays, gbuffer };
+        let host = Host::new(self.gpu.clone(), scene, options)?;
         if !self.noted.swap(true, Ordering::Relaxed) {
             host.scene.notices.iter().chain(&host.uploaded.notices).for_each(|notice| self.note(notice));
         }

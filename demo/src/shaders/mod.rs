@@ -13,7 +13,7 @@ mod translate;
 
 use crate::host::gpu::Gpu;
 use bindings::Slots;
-use deferred_aa::{BuildError, DeferredAa, Descriptor, Needs, PassInfo, Shader, TextureTier, gbuffer};
+use deferred_aa::{BuildError, DeferredAa, Descriptor, GBufferTier, Needs, PassInfo, Shader, TextureTier};
 use naga::ShaderStage;
 use resolve::{Resolved, language, resolve};
 
@@ -47,10 +47,18 @@ fn daa_pack_main(
 }
 ";
 
+/// The same for a visibility buffer.
+const PACK_IDS_MAIN: &str = "
+@fragment
+fn daa_pack_main(@location(0) @interpolate(flat) instance: u32, @location(1) @interpolate(flat) triangle: u32) -> DaaGBuffer {
+    return daa_pack(instance, triangle);
+}
+";
+
 /// The shaders of all passes of frames with these settings, translated.
 pub fn export(request: &Request<'_>) -> Result<Export, ShadersError> {
     let mut passes = collect(request)?;
-    passes.insert(0, (None, vec![pack()]));
+    passes.insert(0, (None, vec![pack(request.gbuffer)]));
 
     let mut resolved: Vec<Resolved<'_>> = Vec::new();
     let mut uses = Vec::new();
@@ -98,6 +106,7 @@ fn collect(request: &Request<'_>) -> Result<Vec<Shaders>, ShadersError> {
         textures: request.textures,
         texture_capacity: if request.textures == TextureTier::Bindings { crate::host::TEXTURE_CAPACITY } else { 0 },
         rays: Some(request.rays),
+        gbuffer: request.gbuffer,
         ..Descriptor::new(crate::host::TARGET_FORMAT, request.shading)
     };
     let gpu = Gpu::drawing_nothing(&descriptor)?;
@@ -107,12 +116,16 @@ fn collect(request: &Request<'_>) -> Result<Vec<Shaders>, ShadersError> {
     Ok(passes.into_iter().map(|(info, shaders)| (Some(info), shaders)).collect())
 }
 
-fn pack() -> Shader {
+fn pack(tier: GBufferTier) -> Shader {
+    let main = match tier {
+        GBufferTier::Stored(_) => PACK_MAIN,
+        GBufferTier::Visibility => PACK_IDS_MAIN,
+    };
     Shader {
         pass: "pack",
         entry: "daa_pack_main".to_owned(),
         stage: ShaderStage::Fragment,
-        source: [gbuffer::PACK_WGSL, PACK_MAIN].join("\n"),
+        source: [&tier.pack_wgsl(), main].join("\n"),
         constants: Vec::new(),
         zero_initialize_workgroup_memory: false,
     }

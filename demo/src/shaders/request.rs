@@ -2,7 +2,7 @@
 
 use super::lang::Lang;
 use deferred_aa::rays::RayTier;
-use deferred_aa::{Settings, Shading, TextureTier};
+use deferred_aa::{GBufferTier, Settings, Shading, TextureTier};
 
 /// What to write.
 #[derive(Debug, Clone, Copy)]
@@ -17,6 +17,8 @@ pub struct Request<'a> {
     pub textures: TextureTier,
     /// Who traces rays, where the settings have effects on.
     pub rays: RayTier,
+    /// How the G-buffer keeps its samples.
+    pub gbuffer: GBufferTier,
     /// The host's WGSL.
     pub shading: Shading<'a>,
 }

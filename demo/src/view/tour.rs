@@ -110,8 +110,8 @@ mod tests {
     use crate::host::Options;
     use crate::view::renderer;
     use crate::view::{Kept, Source, Start};
-    use deferred_aa::TextureTier;
     use deferred_aa::rays::RayTier;
+    use deferred_aa::{GBufferTier, TextureTier};
     use egui::{Context, DroppedFile, DroppedFileHandle, Event, Modifiers, PointerButton, Pos2, RawInput, Rect, pos2};
     use std::path::{Path, PathBuf};
     use std::sync::Arc;
@@ -156,6 +156,7 @@ mod tests {
                 stall: 1,
                 anisotropy: 16,
                 rays: RayTier::Software,
+                gbuffer: GBufferTier::default(),
             };
             let source = Source { name: scene.to_owned(), index: None };
             let start = Start { source, camera: None, options, adapter: None, kept, kept_at, fill: false };

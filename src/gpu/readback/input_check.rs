@@ -4,8 +4,9 @@ use crate::gpu::binding::OWN_GROUP;
 use crate::gpu::pipelines::{PipelineKind, Pipelines};
 use crate::gpu::readback::read_back::ReadBack;
 use crate::gpu::sizes::workgroups;
-use crate::host::check::{InputCounts, InputMistake, InputReport};
+use crate::host::check::{InputCounts, InputMistake, InputReport, NormalCounts};
 use crate::host::error::RecordError;
+use crate::host::gbuffer::GBufferTier;
 use crate::host::needs::RayInputs;
 use crate::passes::check::CHECK;
 
@@ -18,6 +19,8 @@ pub(crate) struct InputCheck {
     read_back: ReadBack,
     /// For the check in flight: the mistakes that do not depend on the G-buffer, and the number of samples.
     begun: (Vec<InputMistake>, u64),
+    /// Whether the G-buffer has the geometric normal.
+    has_geometric_normal: bool,
     report: Option<InputReport>,
 }
 
@@ -30,7 +33,7 @@ impl InputCheck {
             mapped_at_creation: false,
         });
         let read_back = ReadBack::new(device, "daa input read-back", BYTES);
-        Self { counts, read_back, begun: Default::default(), report: None }
+        Self { counts, read_back, begun: Default::default(), has_geometric_normal: true, report: None }
     }
 
     /// Whether the previous check has arrived, or was never submitted.
@@ -69,6 +72,10 @@ impl InputCheck {
         }
         encoder.copy_buffer_to_buffer(&self.counts, 0, &self.read_back.buffer, 0, BYTES);
         let samples = size.map(|side| u64::from(side * build.m));
+        self.has_geometric_normal = match build.gbuffer {
+            GBufferTier::Stored(channels) => channels.frame()[0],
+            GBufferTier::Visibility => true,
+        };
         self.begun = (mistakes, samples[0] * samples[1]);
         self.read_back.send(encoder);
         Ok(())
@@ -79,7 +86,11 @@ impl InputCheck {
         let arrived: Option<InputCounts> = self.read_back.take(bytemuck::pod_read_unaligned);
         if let Some(counts) = arrived {
             let (mut mistakes, samples) = std::mem::take(&mut self.begun);
-            mistakes.extend(counts.mistakes(samples, m));
+            let mut judged = counts;
+            if !self.has_geometric_normal {
+                judged.geometric_normal = NormalCounts { fits: counts.planes, ..Default::default() };
+            }
+            mistakes.extend(judged.mistakes(samples, m));
             self.report = Some(InputReport { mistakes, counts });
         }
     }

@@ -4,7 +4,7 @@
 use super::trace::{self, MARGIN};
 use super::{Hit, Ray};
 use crate::rays::Attributes as VertexAttributes;
-use crate::reference::{octahedral, rays, resolve};
+use crate::reference::{octahedral, rays, resolve, triangle};
 use glam::{DAffine3, DVec2, DVec3, DVec4};
 
 /// The input of the pass. No mesh is masked.
@@ -36,14 +36,16 @@ pub struct Attributes {
     /// The normals on the triangle's front. They are interpolated with the lengths that the instance's transform gives
     /// them.
     pub normals: [DVec3; 3],
-    /// The tangent of the first vertex: a unit vector, and the sign of the bitangent on the triangle's front.
-    pub tangent: DVec4,
+    /// The tangents. They are interpolated with the lengths that the instance's transform gives them.
+    pub tangents: [DVec3; 3],
+    /// The sign of the bitangent on the triangle's front.
+    pub bitangent: f64,
     /// The texture coordinates.
     pub uvs: [DVec2; 3],
     /// The material of the instance.
     pub material: u32,
-    /// The 32 bits of the first vertex.
-    pub user: u32,
+    /// The host's 32 bits of the vertices.
+    pub user: [u32; 3],
 }
 
 /// `DaaSample`, as far as the pass fills it.
@@ -217,6 +219,7 @@ impl Input<'_> {
         let seen = if hit.front { flat_normal } else { -flat_normal };
         let smooth_normal = a.normals[0] * w[0] + a.normals[1] * w[1] + a.normals[2] * w[2];
         let normal = smooth_normal.normalize() * side;
+        let tangent = a.tangents[0] * w[0] + a.tangents[1] * w[1] + a.tangents[2] * w[2];
         let relative_position = ray.origin + ray.direction * hit.t;
         let [d1, d2] = [a.uvs[1] - a.uvs[0], a.uvs[2] - a.uvs[0]];
         let scale = (d1.perp_dot(d2).abs() / flat_normal.length()).sqrt();
@@ -230,10 +233,10 @@ impl Input<'_> {
             view: -ray.direction,
             object,
             geometric_normal: seen.normalize(),
-            user: a.user,
+            user: triangle::user(a.user, w),
             normal,
             shadow: 0,
-            tangent: a.tangent.truncate().extend(a.tangent.w * side),
+            tangent: tangent.normalize().extend(a.bitangent * side),
             uv: a.uvs[0] + d1 * w[1] + d2 * w[2],
             ddx: DVec2::new(footprint, 0.0),
             ddy: DVec2::new(0.0, footprint),
@@ -341,22 +344,22 @@ pub fn place(attributes: &[VertexAttributes], indices: &[u32], world: DAffine3, 
     // As stored: normals as codes, and tangents as angles about the decoded normals.
     let stored = |i: u32| octahedral::decode(octahedral::encode(attributes[i as usize].normal.map(f64::from).into()));
     let of = |t: &[u32; 3]| {
-        let first = &attributes[t[0] as usize];
-        let n = stored(t[0]);
-        let [x, y, z, w] = first.tangent.map(f64::from);
-        let t0 = DVec3::new(x, y, z);
-        let tangent = (t0 - n * n.dot(t0)).normalize();
+        let tangent = |i: u32| {
+            let [x, y, z, _] = attributes[i as usize].tangent.map(f64::from);
+            let (n, along) = (stored(i), DVec3::new(x, y, z));
+            (along - n * n.dot(along)).normalize()
+        };
         // The bitangent is transformed with the surface: if that mirrors it, the sign that gives it from N and T
         // changes.
-        let bitangent = world.matrix3 * (n.cross(tangent) * w);
-        let along = (world.matrix3 * tangent).normalize();
-        let sign = bitangent.dot((back * n).cross(along)).signum();
+        let (n, along) = (stored(t[0]), tangent(t[0]));
+        let bitangent = world.matrix3 * (n.cross(along) * f64::from(attributes[t[0] as usize].tangent[3]));
         Attributes {
             normals: t.map(|i| back * stored(i)),
-            tangent: along.extend(sign),
+            tangents: t.map(|i| world.matrix3 * tangent(i)),
+            bitangent: bitangent.dot((back * n).cross(world.matrix3 * along)).signum(),
             uvs: t.map(|i| DVec2::from(attributes[i as usize].uv.map(f64::from))),
             material,
-            user: first.user,
+            user: t.map(|i| attributes[i as usize].user),
         }
     };
     indices.as_chunks::<3>().0.iter().map(of).collect()

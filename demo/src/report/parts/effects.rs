@@ -115,7 +115,7 @@ fn tiers(session: &Session, base: Base) -> Result<Vec<TierRow>, ReportError> {
         let gpu = if tier == request.rays {
             Ok(session.gpu.clone())
         } else {
-            Gpu::new(session.gpu.adapter.clone(), &host::descriptor(1, request.textures, tier))
+            Gpu::new(session.gpu.adapter.clone(), &host::descriptor(1, request.textures, tier, request.gbuffer))
         };
         // An adapter without ray query has no row for it.
         let Ok(gpu) = gpu else { continue };
@@ -127,6 +127,7 @@ fn tiers(session: &Session, base: Base) -> Result<Vec<TierRow>, ReportError> {
             stall: 1,
             anisotropy: request.anisotropy,
             rays: tier,
+            gbuffer: request.gbuffer,
         };
         let mut host = Host::new(gpu, session.scene.clone(), options)?;
         let settings = Settings { technique: Technique::Single, shadows: Effect::On, ..Settings::default() };

@@ -60,7 +60,7 @@ pub fn largest_m(session: &Session, side: u32, size: (u32, u32)) -> u32 {
 
 /// Whether a host of this m and size is within the device's limits, and not too large to keep the machine usable.
 pub fn fits(session: &Session, m: u32, (width, height): (u32, u32)) -> bool {
-    let descriptor = host::descriptor(m, session.request.textures, session.request.rays);
+    let descriptor = host::descriptor(m, session.request.textures, session.request.rays, session.request.gbuffer);
     let memory = DeferredAa::requirements(&session.gpu.adapter, &descriptor).memory(width, height);
     let longest = u64::from(width.max(height)) * u64::from(m);
     longest <= u64::from(session.gpu.device.limits().max_texture_dimension_2d)
@@ -155,18 +155,35 @@ mod tests {
     use crate::measure::quality;
     use crate::scene::builtin::builtin;
     use crate::scene::{Light, LightKind, Scene};
-    use deferred_aa::TextureTier;
     use deferred_aa::rays::RayTier;
+    use deferred_aa::{GBufferTier, TextureTier};
     use glam::{Mat4, Vec3};
 
     const SIZE: (u32, u32) = (64, 36);
 
     fn host(scene: Scene, m: u32) -> Host {
         let textures = TextureTier::Arrays;
-        let gpu = Gpu::new(gpu::choose(None).unwrap(), &host::descriptor(m, textures, RayTier::Software)).unwrap();
+        let gpu = Gpu::new(
+            gpu::choose(None).unwrap(),
+            &host::descriptor(m, textures, RayTier::Software, GBufferTier::default()),
+        )
+        .unwrap();
         let (width, height) = SIZE;
-        Host::new(gpu, scene, Options { width, height, m, textures, stall: 1, anisotropy: 16, rays: RayTier::Software })
-            .unwrap()
+        Host::new(
+            gpu,
+            scene,
+            Options {
+                width,
+                height,
+                m,
+                textures,
+                stall: 1,
+                anisotropy: 16,
+                rays: RayTier::Software,
+                gbuffer: GBufferTier::default(),
+            },
+        )
+        .unwrap()
     }
 
     fn rendered(m: u32, side: u32) -> Picture {

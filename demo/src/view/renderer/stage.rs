@@ -6,7 +6,7 @@ use crate::host::gpu::{self, Gpu};
 use crate::host::{self, Host, Options};
 use crate::scene::{Scene, Sun};
 use deferred_aa::rays::RayTier;
-use deferred_aa::{DeferredAa, TextureTier};
+use deferred_aa::{DeferredAa, GBufferTier, TextureTier};
 
 /// The host, once there is one.
 pub struct Stage {
@@ -28,12 +28,16 @@ impl Stage {
 
     /// Builds a host on the adapter of the present one, which stays.
     pub fn build(&self, scene: Scene, options: Options) -> Result<Host, String> {
-        let descriptor = host::descriptor(options.m, options.textures, options.rays);
         let adapter = match &self.host {
             Some(host) => host.gpu.adapter.clone(),
             None => gpu::choose(self.adapter.as_deref()).map_err(|e| e.to_string())?,
         };
-        let gpu = Gpu::new(adapter, &descriptor).map_err(|e| e.to_string())?;
+        let gbuffer = match options.gbuffer {
+            GBufferTier::Visibility => host::gbuffer_tier(&scene, &adapter),
+            GBufferTier::Stored(_) => host::stored(&scene),
+        };
+        let options = Options { gbuffer, ..options };
+        let gpu = Gpu::new(adapter, &options.descriptor()).map_err(|e| e.to_string())?;
         Host::new(gpu, scene, options).map_err(|e| e.to_string())
     }
 
@@ -79,7 +83,9 @@ impl Stage {
 
 fn about(gpu: &Gpu) -> Adapter {
     let lacks = |textures, rays| {
-        let missing = DeferredAa::requirements(&gpu.adapter, &host::descriptor(4, textures, rays)).missing;
+        let missing =
+            DeferredAa::requirements(&gpu.adapter, &host::descriptor(4, textures, rays, GBufferTier::default()))
+                .missing;
         (!missing.is_empty()).then(|| missing.join(", "))
     };
     Adapter {

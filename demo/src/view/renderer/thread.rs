@@ -332,8 +332,8 @@ fn lost_or(e: HostError) -> Result<String, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use deferred_aa::TextureTier;
     use deferred_aa::rays::RayTier;
+    use deferred_aa::{GBufferTier, TextureTier};
     use std::sync::mpsc::channel;
     use std::sync::{Condvar, Mutex};
 
@@ -359,6 +359,7 @@ mod tests {
             stall: 1,
             anisotropy: 1,
             rays: RayTier::Software,
+            gbuffer: GBufferTier::default(),
         };
         let mut renderer = Renderer::new(shared, options, None, Box::new(move |event| drop(say.send(event))));
         renderer.open(&Source { name: "empty".to_owned(), index: None }, 1).unwrap();

@@ -1,0 +1,39 @@
+// The fragments of a stored G-buffer. Joined with the packing, the texture table, material.wgsl and raster.wgsl.
+
+fn fragment(v: Varying, front: bool, ddx: vec2f, ddy: vec2f, across: vec3f, down: vec3f) -> DaaGBuffer {
+    let instance = instances[v.instance];
+    // Towards the eye, whichever way the triangle winds.
+    let towards = select(-v.relative, view.orthographic.xyz, view.orthographic.w != 0.0);
+    let plane = cross(across, down);
+    let side = select(-1.0, 1.0, front);
+    let normal = v.normal * side;
+    let seen = select(plane, -plane, dot(plane, towards) < 0.0);
+    var f: DaaFragment;
+    f.normal = select(vec3f(0.0, 1.0, 0.0), normal, dot(normal, normal) > 1e-12);
+    f.geometric_normal = select(f.normal, seen, dot(plane, plane) > 1e-36);
+    f.tangent = vec4f(v.tangent.xyz, v.tangent.w * side);
+    f.uv = v.uv;
+    f.ddx = ddx;
+    f.ddy = ddy;
+    f.material = instance.material;
+    f.object = instance.object;
+    f.user = pack4x8unorm(v.color);
+    return daa_pack(f);
+}
+
+@fragment
+fn raster_opaque(v: Varying, @builtin(front_facing) front: bool) -> DaaGBuffer {
+    return fragment(v, front, dpdx(v.uv), dpdy(v.uv), dpdx(v.relative), dpdy(v.relative));
+}
+
+/// Alpha is tested at the G-buffer's resolution, so that cut-outs are anti-aliased like any edge.
+@fragment
+fn raster_mask(v: Varying, @builtin(front_facing) front: bool) -> DaaGBuffer {
+    let ddx = dpdx(v.uv);
+    let ddy = dpdy(v.uv);
+    let packed = fragment(v, front, ddx, ddy, dpdx(v.relative), dpdy(v.relative));
+    if is_hole(v) {
+        discard;
+    }
+    return packed;
+}

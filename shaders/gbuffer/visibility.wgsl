@@ -1,0 +1,228 @@
+// Reads a visibility buffer: the triangle of each sample, and the attributes of the point where the sample's ray meets
+// it. CPU twin: src/reference/visibility.rs.
+
+@group(0) @binding(2) var daa_gbuffer_ids: texture_2d<u32>;
+/// The triangles, vertices and attributes of all meshes: the geometry of src/rays/scene.rs.
+@group(0) @binding(3) var<storage, read> daa_meshes: array<vec4u>;
+/// The instances of the frame, four vec4s each: `DrawnRecord` of src/rays/scene.rs.
+@group(0) @binding(4) var<storage, read> daa_instances: array<vec4u>;
+
+/// A triangle as it lies before the camera.
+struct DaaDrawn {
+    /// The ids as they stand in the G-buffer.
+    ids: vec2u,
+    /// material | object << 16.
+    identity: u32,
+    /// −1 if the instance mirrors its mesh, otherwise 1.
+    handedness: f32,
+    /// The first vertex relative to the camera, and the edges to the second and the third.
+    a: vec3f,
+    ab: vec3f,
+    ac: vec3f,
+    /// The unit normal of ab × ac, and one over the length of that product.
+    plane: vec3f,
+    inverse_area: f32,
+    /// The rows of the linear part of the transform from the mesh's own space.
+    x: vec3f,
+    y: vec3f,
+    z: vec3f,
+    /// Whether the three normals are one.
+    flat_shaded: bool,
+    attributes: DaaTriangle,
+}
+
+/// The triangle that was read last. Most samples of a window show the same.
+var<private> daa_drawn: DaaDrawn;
+
+fn daa_read_triangle(ids: vec2u) {
+    if all(ids == daa_drawn.ids) {
+        return;
+    }
+    let at = (ids.x - 1u) * 4u;
+    let x = bitcast<vec4f>(daa_instances[at]);
+    let y = bitcast<vec4f>(daa_instances[at + 1u]);
+    let z = bitcast<vec4f>(daa_instances[at + 2u]);
+    // The first triangle, the offset from a vertex to its attributes, the identity, and the table of the triangles'
+    // places, where a tree has sorted them.
+    let names = daa_instances[at + 3u];
+    var place = ids.y;
+    if names.w != 0u {
+        place = daa_meshes[names.w + (ids.y >> 2u)][ids.y & 3u];
+    }
+    let corners = daa_meshes[names.x + place].xyz;
+    let word_a = daa_meshes[corners.x];
+    let word_b = daa_meshes[corners.y];
+    let word_c = daa_meshes[corners.z];
+    let a = bitcast<vec3f>(word_a.xyz);
+    let ab = bitcast<vec3f>(word_b.xyz) - a;
+    let ac = bitcast<vec3f>(word_c.xyz) - a;
+    let t0 = daa_meshes[corners.x + names.y];
+    let t1 = daa_meshes[corners.y + names.y];
+    let t2 = daa_meshes[corners.z + names.y];
+    daa_drawn.ids = ids;
+    daa_drawn.identity = names.z;
+    daa_drawn.x = x.xyz;
+    daa_drawn.y = y.xyz;
+    daa_drawn.z = z.xyz;
+    daa_drawn.handedness = select(1.0, -1.0, dot(x.xyz, cross(y.xyz, z.xyz)) < 0.0);
+    let point = vec4f(a, 1.0);
+    daa_drawn.a = vec3f(dot(x, point), dot(y, point), dot(z, point));
+    daa_drawn.ab = vec3f(dot(x.xyz, ab), dot(y.xyz, ab), dot(z.xyz, ab));
+    daa_drawn.ac = vec3f(dot(x.xyz, ac), dot(y.xyz, ac), dot(z.xyz, ac));
+    let product = cross(daa_drawn.ab, daa_drawn.ac);
+    daa_drawn.inverse_area = inverseSqrt(max(dot(product, product), 1e-36));
+    daa_drawn.plane = product * daa_drawn.inverse_area;
+    daa_drawn.flat_shaded = t0.x == t1.x && t0.x == t2.x;
+    daa_drawn.attributes = daa_triangle_attributes(t0, t1, t2, vec3u(word_a.w, word_b.w, word_c.w));
+}
+
+/// Where the ray through a point of the screen meets the plane of the triangle.
+struct DaaMeeting {
+    point: vec3f,
+    /// The weights of the second and the third vertex.
+    weights: vec2f,
+    /// The cosine between the ray and the plane's normal.
+    facing: f32,
+}
+
+/// The weights of the second and the third vertex at a point of the plane.
+fn daa_weights_of(point: vec3f) -> vec2f {
+    let from_a = point - daa_drawn.a;
+    let second = dot(cross(from_a, daa_drawn.ac), daa_drawn.plane);
+    let third = dot(cross(daa_drawn.ab, from_a), daa_drawn.plane);
+    return vec2f(second, third) * daa_drawn.inverse_area;
+}
+
+/// `xy` are coordinates of the G-buffer in samples. The ray's own plane is met, whatever of the triangle lies behind the
+/// camera, so clipping makes no difference.
+fn daa_meet(xy: vec2f) -> DaaMeeting {
+    let near = daa_relative_position(xy, 1.0);
+    let parallel = daa_frame.orthographic != 0u;
+    let origin = select(vec3f(0.0), near, parallel);
+    let direction = select(near * inverseSqrt(max(dot(near, near), 1e-36)), daa_frame.camera_forward, parallel);
+    let facing = dot(daa_drawn.plane, direction);
+    let point = origin + direction * (dot(daa_drawn.plane, daa_drawn.a - origin) / facing);
+    return DaaMeeting(point, daa_weights_of(point), facing);
+}
+
+/// The point of the triangle that a sample shows.
+fn daa_shown_point(at: vec2u) -> DaaMeeting {
+    var met = daa_meet(vec2f(at) + 0.5);
+    let inside = all(met.weights > vec2f(-0.25)) && met.weights.x + met.weights.y < 1.25;
+    if !inside || abs(met.facing) < 1e-5 {
+        // A sliver, or a triangle that is seen edge-on: the rasteriser's vertices lie on a grid, so its ray may pass by
+        // the triangle. The depth is on the surface.
+        met.point = daa_relative_position(vec2f(at) + 0.5, daa_depth_at(at));
+        met.weights = daa_weights_of(met.point);
+    }
+    return met;
+}
+
+/// The weights of the three vertices, none below 0.
+fn daa_inside(weights: vec2f) -> vec3f {
+    // Written so that NaN becomes the first vertex.
+    let w = select(vec2f(0.0), weights, weights > vec2f(0.0));
+    let inner = w / max(w.x + w.y, 1.0);
+    return vec3f(1.0 - inner.x - inner.y, inner);
+}
+
+/// Which side of the triangle is seen: 1 if its vertices run counterclockwise in the mesh's own space, otherwise −1.
+fn daa_drawn_side(facing: f32) -> f32 {
+    return select(-1.0, 1.0, facing * daa_drawn.handedness < 0.0);
+}
+
+/// The unit normal on the visible side.
+fn daa_drawn_normal(w: vec3f, facing: f32) -> vec3f {
+    let own = daa_triangle_normal(daa_drawn.attributes, w);
+    // Normals go with the cofactors, which also hold where the matrix is singular.
+    let normal = vec3f(
+        dot(cross(daa_drawn.y, daa_drawn.z), own),
+        dot(cross(daa_drawn.z, daa_drawn.x), own),
+        dot(cross(daa_drawn.x, daa_drawn.y), own),
+    );
+    let squared = dot(normal, normal);
+    let unit = normal * (daa_drawn.handedness * daa_drawn_side(facing) * inverseSqrt(max(squared, 1e-36)));
+    return select(daa_drawn_plane(facing), unit, squared > 1e-30);
+}
+
+/// The unit normal of the triangle on the visible side.
+fn daa_drawn_plane(facing: f32) -> vec3f {
+    let plane = select(daa_drawn.plane, -daa_drawn.plane, facing > 0.0);
+    return select(vec3f(0.0, 1.0, 0.0), plane, dot(plane, plane) > 0.25);
+}
+
+/// The code of the normal, and material | object << 16. Both are 0 where the host has drawn nothing.
+fn daa_surface_at(at: vec2u) -> vec2u {
+    let ids = textureLoad(daa_gbuffer_ids, at, 0).xy;
+    if ids.x == 0u {
+        return vec2u(0u);
+    }
+    daa_read_triangle(ids);
+    let met = daa_shown_point(at);
+    let normal = daa_drawn_normal(daa_inside(met.weights), met.facing);
+    return vec2u(pack2x16snorm(daa_octahedral_encode(normal)), daa_drawn.identity);
+}
+
+/// material | object << 16.
+fn daa_identity_at(at: vec2u) -> u32 {
+    let instance = textureLoad(daa_gbuffer_ids, at, 0).x;
+    if instance == 0u {
+        return 0u;
+    }
+    return daa_instances[instance * 4u - 1u].z;
+}
+
+fn daa_uv_at(at: vec2u) -> vec2f {
+    let ids = textureLoad(daa_gbuffer_ids, at, 0).xy;
+    if ids.x == 0u {
+        return vec2f(0.0);
+    }
+    daa_read_triangle(ids);
+    return daa_triangle_uv(daa_drawn.attributes, daa_inside(daa_shown_point(at).weights));
+}
+
+/// The change of uv from one sample to the next along an axis, within the sample's quad, as rasterisers take it. Behind
+/// the horizon of the plane it is taken on the other side.
+fn daa_uv_change(at: vec2u, here: DaaMeeting, axis: vec2u) -> vec2f {
+    let way = select(1.0, -1.0, ((at.x * axis.x + at.y * axis.y) & 1u) != 0u);
+    var next = daa_meet(vec2f(at) + 0.5 + vec2f(axis) * way);
+    var apart = (next.weights - here.weights) * way;
+    if next.facing * here.facing <= 0.0 {
+        next = daa_meet(vec2f(at) + 0.5 - vec2f(axis) * way);
+        apart = (here.weights - next.weights) * way;
+    }
+    let change = daa_drawn.attributes.uv_ab * apart.x + daa_drawn.attributes.uv_ac * apart.y;
+    let no_number = (bitcast<vec2u>(change) & vec2u(0x7f800000u)) == vec2u(0x7f800000u);
+    return select(clamp(change, vec2f(-65504.0), vec2f(65504.0)), vec2f(0.0), no_number);
+}
+
+/// `d` is the sample's depth.
+fn daa_attributes_at(at: vec2u, d: f32) -> DaaAttributes {
+    var a: DaaAttributes;
+    let ids = textureLoad(daa_gbuffer_ids, at, 0).xy;
+    if ids.x == 0u || d <= DAA_SKY_DEPTH {
+        a.relative_position = daa_relative_position(vec2f(at) + 0.5, 1.0);
+        a.normal = vec3f(0.0, 0.0, 1.0);
+        a.geometric_normal = a.normal;
+        a.tangent = vec4f(1.0, 0.0, 0.0, 1.0);
+        return a;
+    }
+    daa_read_triangle(ids);
+    let met = daa_shown_point(at);
+    let w = daa_inside(met.weights);
+    a.relative_position = met.point;
+    a.identity = daa_drawn.identity;
+    a.normal = daa_drawn_normal(w, met.facing);
+    a.geometric_normal = daa_drawn_plane(met.facing);
+    let own = daa_triangle_tangent(daa_drawn.attributes, w);
+    let along = vec3f(dot(daa_drawn.x, own.xyz), dot(daa_drawn.y, own.xyz), dot(daa_drawn.z, own.xyz));
+    let across = along - a.normal * dot(a.normal, along);
+    let squared = dot(across, across);
+    let tangent = select(daa_basis_x(a.normal), across * inverseSqrt(max(squared, 1e-36)), squared > 1e-30);
+    a.tangent = vec4f(tangent, own.w * daa_drawn.handedness * daa_drawn_side(met.facing));
+    a.user = daa_triangle_user(daa_drawn.attributes, w);
+    a.uv = daa_triangle_uv(daa_drawn.attributes, w);
+    a.ddx = daa_uv_change(at, met, vec2u(1u, 0u));
+    a.ddy = daa_uv_change(at, met, vec2u(0u, 1u));
+    return a;
+}

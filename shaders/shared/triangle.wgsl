@@ -1,0 +1,55 @@
+// The attributes of a point of a triangle, in the space of its mesh: what a ray hits, and what a visibility buffer shows.
+// CPU twin: src/reference/triangle.rs.
+
+/// The attributes of the three vertices.
+struct DaaTriangle {
+    normal_a: vec3f,
+    normal_b: vec3f,
+    normal_c: vec3f,
+    /// Codes of the tangents.
+    tangents: vec3u,
+    uv_a: vec2f,
+    /// From the first vertex to the second and the third.
+    uv_ab: vec2f,
+    uv_ac: vec2f,
+    user: vec3u,
+}
+
+/// `a`, `b` and `c` are the attributes as src/rays/attributes.rs packs them.
+fn daa_triangle_attributes(a: vec4u, b: vec4u, c: vec4u, user: vec3u) -> DaaTriangle {
+    var t: DaaTriangle;
+    t.normal_a = daa_octahedral_decode(unpack2x16snorm(a.x));
+    t.normal_b = daa_octahedral_decode(unpack2x16snorm(b.x));
+    t.normal_c = daa_octahedral_decode(unpack2x16snorm(c.x));
+    t.tangents = vec3u(a.y, b.y, c.y);
+    t.uv_a = bitcast<vec2f>(a.zw);
+    t.uv_ab = bitcast<vec2f>(b.zw) - t.uv_a;
+    t.uv_ac = bitcast<vec2f>(c.zw) - t.uv_a;
+    t.user = user;
+    return t;
+}
+
+/// The interpolated normal, of any length. `w` are the weights of the vertices.
+fn daa_triangle_normal(t: DaaTriangle, w: vec3f) -> vec3f {
+    return t.normal_a * w.x + t.normal_b * w.y + t.normal_c * w.z;
+}
+
+/// The interpolated tangent, of any length, and the sign of the bitangent.
+fn daa_triangle_tangent(t: DaaTriangle, w: vec3f) -> vec4f {
+    let a = daa_tangent_decode(t.normal_a, t.tangents.x);
+    let b = daa_tangent_decode(t.normal_b, t.tangents.y);
+    let c = daa_tangent_decode(t.normal_c, t.tangents.z);
+    return vec4f(a.xyz * w.x + b.xyz * w.y + c.xyz * w.z, a.w);
+}
+
+fn daa_triangle_uv(t: DaaTriangle, w: vec3f) -> vec2f {
+    return t.uv_a + t.uv_ab * w.y + t.uv_ac * w.z;
+}
+
+/// The host's 32 bits. Where the vertices differ, each of the four bytes is interpolated: they are a vertex colour.
+fn daa_triangle_user(t: DaaTriangle, w: vec3f) -> u32 {
+    if t.user.x == t.user.y && t.user.x == t.user.z {
+        return t.user.x;
+    }
+    return pack4x8unorm(unpack4x8unorm(t.user.x) * w.x + unpack4x8unorm(t.user.y) * w.y + unpack4x8unorm(t.user.z) * w.z);
+}

@@ -1,0 +1,449 @@
+//! The visibility buffer: every attribute against the twin, the picture against the stored G-buffer's, and what the
+//! host may get wrong.
+
+use crate::reflections_twin::{BUMPED, MATTE, at, ball, block, faces, floor, scaled, scene, turned, views};
+use crate::shadows::{full, looking};
+use bytemuck::pod_collect_to_vec;
+use deferred_aa::glam::{Affine3A, DAffine3, DVec2, DVec3, Mat4, Vec3, vec3};
+use deferred_aa::rays::{Attributes, BottomLevel, Instance, Mesh, RayError, RayScene, RayTier};
+use deferred_aa::reference::visibility::{Input, Seen};
+use deferred_aa::{
+    BuildError, Channels, DebugView, DeferredAa, Descriptor, Frame, GBufferTier, InputMistake, Needs, RecordError,
+    Settings, Shading, Technique, TextureTier, wgpu,
+};
+use deferred_aa_demo::gpu::{self, Gpu};
+use deferred_aa_demo::host::{Host, Options};
+use deferred_aa_demo::quality::psnr;
+use deferred_aa_demo::raster::{Raster, node_camera};
+use deferred_aa_demo::rays::Rays;
+use deferred_aa_demo::scene::{Camera, Lens, Scene, builtin};
+use deferred_aa_demo::upload::GpuScene;
+
+const SIZE: [u32; 2] = [61, 47];
+
+fn adapter() -> wgpu::Adapter {
+    gpu::choose(std::env::var("WGPU_ADAPTER_NAME").ok().as_deref()).expect("tests need an adapter")
+}
+
+/// Whether the adapter tells triangles apart; says so if not.
+fn has_ids() -> bool {
+    let has = adapter().features().contains(wgpu::Features::PRIMITIVE_INDEX);
+    if !has {
+        eprintln!("skipped: the adapter has no primitive index");
+    }
+    has
+}
+
+fn host(scene: Scene, m: u32, [width, height]: [u32; 2], gbuffer: GBufferTier) -> Host {
+    let (textures, rays) = (TextureTier::Arrays, RayTier::Software);
+    let options = Options { width, height, m, textures, stall: 1, anisotropy: 4, rays, gbuffer };
+    let name = scene.name.clone();
+    let gpu = Gpu::new(adapter(), &options.descriptor()).expect("a device");
+    Host::new(gpu, scene, options).unwrap_or_else(|e| panic!("{name}: {e}"))
+}
+
+// ---- Against the twin ----
+
+/// What a frame shows of its samples, and its value by the twin.
+type Shown = (&'static str, fn(&Seen) -> [f64; 4]);
+
+const SHOWN: [Shown; 8] = [
+    ("vec4f(s.relative_position, s.depth)", |s| of(s.relative_position, f64::NAN)),
+    ("vec4f(s.normal * 0.5 + 0.5, 1.0)", |s| of(s.normal * 0.5 + 0.5, 1.0)),
+    ("vec4f(s.geometric_normal * 0.5 + 0.5, 1.0)", |s| of(s.geometric_normal * 0.5 + 0.5, 1.0)),
+    ("vec4f(s.tangent * 0.5 + 0.5)", |s| (s.tangent * 0.5 + 0.5).to_array()),
+    ("vec4f(s.uv * 0.25 + 0.5, 0.0, 1.0)", |s| of((s.uv * 0.25 + 0.5).extend(0.0), 1.0)),
+    ("vec4f(s.ddx, s.ddy) * 4.0 + 0.5", |s| pair(s.ddx * 4.0 + 0.5, s.ddy * 4.0 + 0.5)),
+    ("vec4f(f32(s.material), f32(s.object), 0.0, 1.0)", |s| {
+        [f64::from(s.identity & 0xffff), f64::from(s.identity >> 16), 0.0, 1.0]
+    }),
+    ("unpack4x8unorm(s.user)", |s| s.user.to_le_bytes().map(|byte| f64::from(byte) / 255.0)),
+];
+
+fn of(v: DVec3, w: f64) -> [f64; 4] {
+    v.extend(w).to_array()
+}
+
+fn pair(a: DVec2, b: DVec2) -> [f64; 4] {
+    [a.x, a.y, b.x, b.y]
+}
+
+/// A node of m = 1 on a visibility buffer, whose image is the attribute.
+struct Node {
+    gpu: Gpu,
+    aa: DeferredAa,
+    target: wgpu::Texture,
+}
+
+impl Node {
+    fn new(shown: &str) -> Self {
+        let source = format!("fn shade(s: DaaSample) -> vec4f {{ return {shown}; }}");
+        let descriptor = Descriptor {
+            m: 1,
+            gbuffer: GBufferTier::Visibility,
+            textures: TextureTier::Arrays,
+            ..Descriptor::new(wgpu::TextureFormat::Rgba32Float, Shading { source: &source, file: "test.wgsl" })
+        };
+        let gpu = Gpu::new(adapter(), &descriptor).expect("a device");
+        let mut aa = DeferredAa::new(&gpu.device, &descriptor, None).expect("a node");
+        aa.resize(&gpu.device, SIZE[0], SIZE[1]).expect("a size");
+        let target = gpu.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("target"),
+            size: wgpu::Extent3d { width: SIZE[0], height: SIZE[1], depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: descriptor.target_format,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+            view_formats: &[],
+        });
+        Self { gpu, aa, target }
+    }
+
+    /// The image, and the G-buffer.
+    fn render(&mut self, scene: &Scene, camera: &Camera) -> (Vec<[f32; 4]>, Vec<[u32; 2]>, Vec<f32>) {
+        let (gpu, aa) = (&self.gpu, &mut self.aa);
+        let (device, queue) = (&gpu.device, &gpu.queue);
+        let uploaded = GpuScene::new(device, queue, aa, scene, 1).unwrap();
+        let raster = Raster::new(device, aa, TextureTier::Arrays, scene, &uploaded);
+        // With a tree, whose leaves are in another order than the mesh.
+        let tier = Some(RayTier::Software);
+        let mut rays = Rays::new(device, queue, tier, true, scene).unwrap();
+        let camera = node_camera(camera, SIZE[0], SIZE[1]);
+        let mut encoder = device.create_command_encoder(&Default::default());
+        raster.record(queue, &mut encoder, scene, &uploaded, &camera, aa.gbuffer().unwrap());
+        rays.update(device, queue, &mut encoder, camera.world_from_view.w_axis.truncate()).unwrap();
+        let view = self.target.create_view(&Default::default());
+        let frame = Frame {
+            settings: full(),
+            textures: Some(&uploaded.table),
+            needs: Needs { rays: Some(&rays.scene), ..Default::default() },
+            ..Frame::new(camera, &view)
+        };
+        aa.record(queue, &mut encoder, &frame).expect("a frame");
+        queue.submit([encoder.finish()]);
+        gpu.wait();
+        assert_eq!(gpu.take_errors(), Vec::<String>::new());
+        let gbuffer = aa.gbuffer().unwrap();
+        let image = pod_collect_to_vec(&gpu.read_texture(&self.target, 16));
+        let ids = pod_collect_to_vec(&gpu.read_texture(gbuffer.color[0].texture(), 8));
+        (image, ids, pod_collect_to_vec(&gpu.read_texture(gbuffer.depth.texture(), 4)))
+    }
+}
+
+/// Scenes for what is hard: clipped by the near plane, seen edge-on, slivers, mirrored, flattened, far from the origin.
+fn hard() -> Vec<(&'static str, Scene, Camera)> {
+    let near = looking(vec3(0.3, 1.7, 4.0), vec3(0.0, 0.8, 0.0), 0.1);
+    let around = scene(vec![
+        floor(MATTE),
+        (ball(MATTE), at(-1.1, 1.0, 0.0) * turned(0.3)),
+        (ball(BUMPED), at(1.1, 1.0, 0.3) * scaled(-0.8, 0.6, 0.7)),
+        (block(MATTE), at(0.2, 0.4, 1.8) * turned(1.1) * scaled(0.3, 0.3, 0.3)),
+    ]);
+    // The floor passes under the camera and behind it; walls that the view nearly runs along.
+    let inside = scene(vec![
+        (faces(MATTE, &[1]), scaled(60.0, 0.001, 60.0)),
+        (faces(BUMPED, &[0, 3]), at(0.0, 1.0, 0.0) * scaled(0.002, 1.0, 40.0)),
+        (block(MATTE), at(0.4, 0.3, -3.0) * scaled(0.001, 0.6, 0.4)),
+    ]);
+    let slivers = scene(
+        (0..24)
+            .map(|i| {
+                let i = i as f32;
+                (faces(BUMPED, &[2]), at(0.0, 0.1 * i - 1.0, 0.0) * turned(0.13 * i) * scaled(3.0, 0.004, 1.0))
+            })
+            .collect(),
+    );
+    let flattened = scene(vec![
+        floor(MATTE),
+        (ball(BUMPED), at(-1.0, 1.0, 0.0) * scaled(1.0, 1.0, 0.0)),
+        (ball(MATTE), at(1.0, 1.0, 0.0) * scaled(-0.8, 0.8, 0.8)),
+    ]);
+    let far = vec3(1e6, -2e6, 5e5);
+    let mut distant = around.clone();
+    distant.instances.iter_mut().for_each(|i| i.world_from_mesh = Mat4::from_translation(far) * i.world_from_mesh);
+    let mut from_far = near;
+    from_far.eye += far;
+    from_far.target += far;
+    let parallel = Camera { lens: Lens::Orthographic { half_height: 1.5, far: 20.0 }, ..near };
+    vec![
+        ("around", around.clone(), near),
+        ("parallel", around, parallel),
+        ("inside", inside, looking(vec3(0.01, 0.6, 0.5), vec3(0.0, 0.5, -4.0), 0.01)),
+        ("slivers", slivers, looking(vec3(0.0, 0.2, 3.5), vec3(0.0, 0.2, 0.0), 0.1)),
+        ("flattened", flattened, near),
+        ("far from the origin", distant, from_far),
+    ]
+}
+
+#[test]
+fn every_attribute_is_the_twins() {
+    if !has_ids() {
+        return;
+    }
+    let mut scenes = hard();
+    scenes.extend(views().into_iter().filter(|(name, ..)| *name == "mirrored and stretched"));
+    for (shown, value) in SHOWN {
+        let mut node = Node::new(shown);
+        for (name, scene, camera) in &scenes {
+            let (image, ids, depth) = node.render(scene, camera);
+            let positions: Vec<Vec<[f32; 3]>> =
+                scene.meshes.iter().map(|mesh| mesh.positions.iter().map(|p| p.to_array()).collect()).collect();
+            let attributes: Vec<Vec<Attributes>> = scene.meshes.iter().map(attributes_of).collect();
+            let mesh = |i: usize| Mesh {
+                name: "",
+                positions: &positions[i],
+                indices: &scene.meshes[i].indices,
+                attributes: &attributes[i],
+                masked: false,
+            };
+            let meshes: Vec<_> = (0..scene.meshes.len()).map(mesh).collect();
+            let instances: Vec<_> = scene
+                .instances
+                .iter()
+                .map(|i| {
+                    let world = DAffine3::from_mat4(i.world_from_mesh.as_dmat4());
+                    (i.mesh, world, scene.meshes[i.mesh].material as u32, u32::from(i.object))
+                })
+                .collect();
+            let input = Input {
+                camera: node_camera(camera, SIZE[0], SIZE[1]),
+                samples: SIZE,
+                ids: &ids,
+                depth: &depth,
+                meshes: &meshes,
+                instances: &instances,
+            };
+            let (mut covered, mut unsure) = (0, 0);
+            for (i, pixel) in (0..).zip(&image) {
+                assert!(pixel.iter().all(|c| c.is_finite()), "{name}, {shown}, {i}: {pixel:?}");
+                let Some(seen) = input.sample(i % SIZE[0], i / SIZE[0]) else {
+                    assert_eq!(*pixel, [0.0; 4], "{name}, {shown}, {i}: the sky");
+                    continue;
+                };
+                covered += 1;
+                // Edge-on, f32 can't say where the ray meets the plane; at the limit of the tolerance, which way it goes.
+                let limit =
+                    seen.weights.map(|w| (w + 0.25).abs().min((w - 1.25).abs())).into_iter().fold(1.0, f64::min);
+                if seen.facing.abs() < 2e-3 || limit < 1e-3 {
+                    unsure += 1;
+                    continue;
+                }
+                let expected = value(&seen);
+                for (c, (&found, expected)) in pixel.iter().zip(expected).enumerate().filter(|(_, (_, e))| !e.is_nan())
+                {
+                    // Negative results of a hook become 0.
+                    let expected = expected.max(0.0);
+                    let tolerance = 3e-3 * expected.max(1.0) / seen.facing.abs().max(0.05).min(1.0);
+                    let apart = (f64::from(found) - expected).abs();
+                    assert!(apart <= tolerance, "{name}, {shown}, {i}.{c}: {pixel:?}, twin {seen:?}");
+                }
+            }
+            assert!(covered > 20 && unsure * 4 < covered, "{name}: {unsure} of {covered} unsure");
+        }
+    }
+}
+
+fn attributes_of(mesh: &deferred_aa_demo::scene::Mesh) -> Vec<Attributes> {
+    let vertex = |v: usize| Attributes {
+        normal: mesh.normals[v].to_array(),
+        tangent: mesh.tangents[v].to_array(),
+        uv: mesh.uvs[v].to_array(),
+        user: u32::from_le_bytes(mesh.colors[v].to_array().map(|c| (c * 255.0) as u8)),
+    };
+    (0..mesh.positions.len()).map(vertex).collect()
+}
+
+// ---- Against the stored G-buffer ----
+
+#[test]
+fn both_tiers_show_the_same() {
+    if !has_ids() {
+        return;
+    }
+    for (name, m) in [("atrium", 2), ("fence", 4), ("checker", 3), ("spheres", 2), ("shadows", 2), ("mirrors", 2)] {
+        let scene = builtin::builtin(name).unwrap();
+        let camera = scene.default_camera();
+        let mut stored = host(scene.clone(), m, [96, 54], GBufferTier::default());
+        let mut visible = host(scene, m, [96, 54], GBufferTier::Visibility);
+        for technique in Technique::ALL {
+            let settings = Settings { technique, ..Default::default() };
+            let [a, b] = [&mut stored, &mut visible].map(|host| {
+                let counted = host.frame(&camera, settings).unwrap_or_else(|e| panic!("{name}: {e}")).statistics;
+                assert_eq!((counted.not_finite, counted.negative), (0, 0), "{name}, {technique:?}");
+                host.picture()
+            });
+            let apart = psnr(&a, &b).unwrap_or(f64::INFINITY);
+            assert!(apart >= 60.0, "{name}, {technique:?}: {apart} dB");
+        }
+        let bytes = [stored.aa.memory().gbuffer, visible.aa.memory().gbuffer];
+        assert_eq!(bytes, [36, 12].map(|bytes| 96 * 54 * u64::from(m * m) * bytes), "{name}");
+        assert!(stored.edge_mask() == visible.edge_mask(), "{name}: the edges differ");
+    }
+}
+
+/// Every view, twice the same bits.
+#[test]
+fn every_view_and_the_check_read_it() {
+    if !has_ids() {
+        return;
+    }
+    let scene = builtin::builtin("fence").unwrap();
+    let camera = scene.default_camera();
+    let mut host = host(scene, 2, [48, 27], GBufferTier::Visibility);
+    for view in DebugView::ALL {
+        for technique in Technique::ALL {
+            let settings = Settings { technique, view, ..Default::default() };
+            host.frame(&camera, settings).unwrap();
+            let first = host.picture();
+            host.frame(&camera, settings).unwrap();
+            assert!(first.rgba == host.picture().rgba, "{view:?}, {technique:?}: not the same bits twice");
+            assert!(first.rgba.iter().flatten().all(|c| c.is_finite()));
+        }
+    }
+    assert_eq!(check(&mut host, &camera), []);
+}
+
+/// What the check of the input finds.
+fn check(host: &mut Host, camera: &Camera) -> Vec<InputMistake> {
+    let record = |aa: &mut DeferredAa, queue: &_, encoder: &mut _, frame: &Frame<'_>| {
+        aa.check_input(queue, encoder, frame)?;
+        aa.record(queue, encoder, frame)
+    };
+    host.frame_by(camera, full(), record).expect("a frame");
+    host.aa.input_report().expect("a report").mistakes.clone()
+}
+
+// ---- Channels ----
+
+/// What nobody reads makes no difference.
+#[test]
+fn channels_that_nobody_reads_change_no_bit() {
+    let scene = builtin::builtin("cornell").unwrap();
+    assert!(scene.textures.is_empty());
+    let camera = scene.default_camera();
+    let untextured = deferred_aa_demo::host::stored(&scene);
+    assert_eq!(untextured.bytes_per_sample(), 20);
+    let mut all = host(scene.clone(), 2, [48, 48], GBufferTier::default());
+    let mut some = host(scene, 2, [48, 48], untextured);
+    for technique in Technique::ALL {
+        let settings = Settings { technique, ..Default::default() };
+        let [a, b] = [&mut all, &mut some].map(|host| {
+            host.frame(&camera, settings).unwrap();
+            host.picture()
+        });
+        assert!(a.rgba == b.rgba, "{technique:?}");
+    }
+    assert_eq!(some.aa.memory().gbuffer, 48 * 48 * 4 * 20);
+    assert_eq!(check(&mut some, &camera), []);
+}
+
+#[test]
+fn a_channel_that_is_read_must_be_kept() {
+    let gpu = Gpu::new(adapter(), &Descriptor::new(FORMAT, WHITE)).expect("a device");
+    let build = |source: &str, channels, rays| {
+        let gbuffer = GBufferTier::Stored(channels);
+        let descriptor = Descriptor { gbuffer, rays, ..Descriptor::new(FORMAT, Shading { source, file: "game.wgsl" }) };
+        DeferredAa::new(&gpu.device, &descriptor, None).map(drop).map_err(|e| e.to_string())
+    };
+    let none = Channels::NONE;
+    let reads = "fn shade(s: DaaSample) -> vec4f {\n    let t = s;\n    return vec4f(t.ddx, s.uv);\n}";
+    let why = "game.wgsl:3:18: `ddx` is not kept in the G-buffer; set it in the Channels of Descriptor::gbuffer, or don't read it";
+    assert_eq!(build(reads, none, None).unwrap_err(), why.replace("ddx", "uv").replace(":18:", ":25:"));
+    assert_eq!(build(reads, Channels { uv: true, ..none }, None), Ok(()));
+    let split = "fn material(s: DaaSample) -> DaaMaterial { var m: DaaMaterial; m.normal = daa_apply_normal_map(s, s.normal); return m; }
+        fn light(f: DaaSurface, m: DaaMaterial) -> vec4f { return vec4f(m.normal, f32(f.user)); }";
+    assert!(build(split, none, None).unwrap_err().contains("`tangent` is not kept"));
+    assert!(build(split, Channels { tangent: true, ..none }, None).unwrap_err().contains("`user` is not kept"));
+    assert_eq!(build(split, Channels { tangent: true, user: true, ..none }, None), Ok(()));
+}
+
+#[test]
+fn rays_need_the_geometric_normal() {
+    let rays = Some(RayTier::Software);
+    let descriptor =
+        Descriptor { rays, gbuffer: GBufferTier::Stored(Channels::NONE), ..Descriptor::new(FORMAT, WHITE) };
+    let gpu = Gpu::new(adapter(), &descriptor).expect("a device");
+    assert_eq!(DeferredAa::new(&gpu.device, &descriptor, None).map(drop), Err(BuildError::RayChannel));
+}
+
+// ---- What a host may get wrong ----
+
+const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+const WHITE: Shading<'_> = Shading { source: crate::harness::WHITE, file: "test.wgsl" };
+
+#[test]
+fn a_scene_that_does_not_serve_is_refused() {
+    let descriptor = Descriptor { gbuffer: GBufferTier::Visibility, ..Descriptor::new(FORMAT, WHITE) };
+    let gpu = Gpu::new(adapter(), &descriptor).expect("a device");
+    let (device, queue) = (&gpu.device, &gpu.queue);
+    let mut aa = DeferredAa::new(device, &descriptor, None).expect("a node");
+    aa.resize(device, 8, 8).expect("a size");
+    let target = device.create_texture(&wgpu::TextureDescriptor {
+        label: None,
+        size: wgpu::Extent3d { width: 8, height: 8, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: FORMAT,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
+        view_formats: &[],
+    });
+    let view = target.create_view(&Default::default());
+    let mut record = |rays: Option<&RayScene>| {
+        let camera = crate::harness::camera(1.0);
+        let frame = Frame { needs: Needs { rays, ..Default::default() }, ..Frame::new(camera, &view) };
+        let mut encoder = device.create_command_encoder(&Default::default());
+        let result = aa.record(queue, &mut encoder, &frame);
+        queue.submit([encoder.finish()]);
+        result
+    };
+    assert_eq!(record(None), Err(RecordError::NoVisibleScene));
+    assert_eq!(record(Some(&RayScene::new(device, RayTier::Software))), Err(RecordError::NoVisibleScene));
+    let mut empty = RayScene::for_visibility(device, None);
+    assert_eq!(record(Some(&empty)), Ok(()));
+    let mut encoder = device.create_command_encoder(&Default::default());
+    empty.update(device, queue, &mut encoder, &[], Vec3::X).unwrap();
+    let moved = RecordError::RayCamera { scene: Vec3::X, camera: Vec3::ZERO };
+    assert_eq!(record(Some(&empty)), Err(moved));
+    gpu.wait();
+    assert_eq!(gpu.take_errors(), Vec::<String>::new());
+}
+
+#[test]
+fn meshes_and_instances_that_do_not_serve_are_refused() {
+    let gpu = Gpu::new(adapter(), &Descriptor::new(FORMAT, WHITE)).expect("a device");
+    let (device, queue) = (&gpu.device, &gpu.queue);
+    let mut encoder = device.create_command_encoder(&Default::default());
+    let positions = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let attributes = [Attributes { normal: [0.0, 0.0, 1.0], tangent: [0.0; 4], uv: [0.0; 2], user: 0 }; 3];
+    let bare = Mesh { name: "leaf", positions: &positions, indices: &[0, 1, 2], attributes: &[], masked: false };
+    let whole = Mesh { attributes: &attributes, ..bare };
+    let mut drawn = RayScene::for_visibility(device, None);
+    let mut traced = RayScene::new(device, RayTier::Software);
+    let mut add = |scene: &mut RayScene, mesh: Result<BottomLevel, RayError>| {
+        scene.add(device, queue, &mut encoder, &mesh.unwrap()).map_err(|e| e.to_string())
+    };
+    let refused = add(&mut drawn, BottomLevel::untraced(&bare)).unwrap_err();
+    assert!(refused.starts_with("mesh 'leaf' has no attributes"), "{refused}");
+    let refused = add(&mut traced, BottomLevel::untraced(&whole)).unwrap_err();
+    assert!(refused.starts_with("mesh 'leaf' was made by BottomLevel::untraced"), "{refused}");
+    let mesh = add(&mut drawn, BottomLevel::untraced(&whole)).unwrap();
+    let bad = [f32::NAN, 0.0, 0.0];
+    assert_eq!(drawn.deform(queue, mesh, &positions, &attributes), Ok(()));
+    let vertex = RayError::Vertex { mesh: "leaf".into(), vertex: 1, position: bad };
+    let refused = drawn.deform(queue, mesh, &[positions[0], bad, positions[2]], &attributes).unwrap_err();
+    assert_eq!(refused.to_string(), vertex.to_string());
+    assert!(matches!(drawn.deform(queue, mesh, &positions[1..], &attributes), Err(RayError::Attributes { .. })));
+    let instance = Instance { mesh, world: Affine3A::IDENTITY, material: 65_535, object: 65_535, user: 0 };
+    let mut update = |instance| drawn.update(device, queue, &mut encoder, &[instance], Vec3::ZERO);
+    assert_eq!(update(instance), Ok(()));
+    let too_many = |what| RayError::Id { instance: 0, what, id: 65_536 };
+    assert_eq!(update(Instance { material: 65_536, ..instance }), Err(too_many("material")));
+    assert_eq!(update(Instance { object: 65_536, ..instance }), Err(too_many("object")));
+    // Flat is only drawn; what is no number is neither.
+    let world = Affine3A::from_scale(vec3(1.0, 0.0, 1.0));
+    assert_eq!(update(Instance { world, ..instance }), Ok(()));
+    let world = Affine3A::from_scale(vec3(1.0, f32::NAN, 1.0));
+    assert!(matches!(update(Instance { world, ..instance }), Err(RayError::Transform { .. })));
+}
