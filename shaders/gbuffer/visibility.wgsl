@@ -15,19 +15,17 @@ struct DaaDrawn {
     identity: u32,
     /// −1 if the instance mirrors its mesh, otherwise 1.
     handedness: f32,
-    /// The first vertex relative to the camera, and the edges to the second and the third.
+    /// The first vertex relative to the camera.
     a: vec3f,
-    ab: vec3f,
-    ac: vec3f,
-    /// The unit normal of ab × ac, and one over the length of that product.
+    /// The unit normal of the plane, in which the vertices run counterclockwise.
     plane: vec3f,
-    inverse_area: f32,
+    /// The weights of the second and the third vertex grow along these vectors from `a`.
+    along_b: vec3f,
+    along_c: vec3f,
     /// The rows of the linear part of the transform from the mesh's own space.
     x: vec3f,
     y: vec3f,
     z: vec3f,
-    /// Whether the three normals are one.
-    flat_shaded: bool,
     attributes: DaaTriangle,
 }
 
@@ -54,62 +52,72 @@ fn daa_read_triangle(ids: vec2u) {
     let word_b = daa_meshes[corners.y];
     let word_c = daa_meshes[corners.z];
     let a = bitcast<vec3f>(word_a.xyz);
-    let ab = bitcast<vec3f>(word_b.xyz) - a;
-    let ac = bitcast<vec3f>(word_c.xyz) - a;
-    let t0 = daa_meshes[corners.x + names.y];
-    let t1 = daa_meshes[corners.y + names.y];
-    let t2 = daa_meshes[corners.z + names.y];
+    let own_ab = bitcast<vec3f>(word_b.xyz) - a;
+    let own_ac = bitcast<vec3f>(word_c.xyz) - a;
+    let ab = vec3f(dot(x.xyz, own_ab), dot(y.xyz, own_ab), dot(z.xyz, own_ab));
+    let ac = vec3f(dot(x.xyz, own_ac), dot(y.xyz, own_ac), dot(z.xyz, own_ac));
+    let product = cross(ab, ac);
+    let inverse_area = inverseSqrt(max(dot(product, product), 1e-36));
+    let plane = product * inverse_area;
     daa_drawn.ids = ids;
     daa_drawn.identity = names.z;
-    daa_drawn.x = x.xyz;
-    daa_drawn.y = y.xyz;
-    daa_drawn.z = z.xyz;
     daa_drawn.handedness = select(1.0, -1.0, dot(x.xyz, cross(y.xyz, z.xyz)) < 0.0);
     let point = vec4f(a, 1.0);
     daa_drawn.a = vec3f(dot(x, point), dot(y, point), dot(z, point));
-    daa_drawn.ab = vec3f(dot(x.xyz, ab), dot(y.xyz, ab), dot(z.xyz, ab));
-    daa_drawn.ac = vec3f(dot(x.xyz, ac), dot(y.xyz, ac), dot(z.xyz, ac));
-    let product = cross(daa_drawn.ab, daa_drawn.ac);
-    daa_drawn.inverse_area = inverseSqrt(max(dot(product, product), 1e-36));
-    daa_drawn.plane = product * daa_drawn.inverse_area;
-    daa_drawn.flat_shaded = t0.x == t1.x && t0.x == t2.x;
-    daa_drawn.attributes = daa_triangle_attributes(t0, t1, t2, vec3u(word_a.w, word_b.w, word_c.w));
+    daa_drawn.plane = plane;
+    daa_drawn.along_b = cross(ac, plane) * inverse_area;
+    daa_drawn.along_c = cross(plane, ab) * inverse_area;
+    daa_drawn.x = x.xyz;
+    daa_drawn.y = y.xyz;
+    daa_drawn.z = z.xyz;
+    daa_drawn.attributes = daa_triangle_attributes(
+        daa_meshes[corners.x + names.y],
+        daa_meshes[corners.y + names.y],
+        daa_meshes[corners.z + names.y],
+        vec3u(word_a.w, word_b.w, word_c.w),
+    );
 }
 
-/// Where the ray through a point of the screen meets the plane of the triangle.
+/// Where a ray meets the plane of the triangle.
 struct DaaMeeting {
     point: vec3f,
     /// The weights of the second and the third vertex.
     weights: vec2f,
-    /// The cosine between the ray and the plane's normal.
+    /// Negative where the ray meets the side on which the vertices run counterclockwise.
     facing: f32,
 }
 
 /// The weights of the second and the third vertex at a point of the plane.
 fn daa_weights_of(point: vec3f) -> vec2f {
     let from_a = point - daa_drawn.a;
-    let second = dot(cross(from_a, daa_drawn.ac), daa_drawn.plane);
-    let third = dot(cross(daa_drawn.ab, from_a), daa_drawn.plane);
-    return vec2f(second, third) * daa_drawn.inverse_area;
+    return vec2f(dot(from_a, daa_drawn.along_b), dot(from_a, daa_drawn.along_c));
 }
 
-/// `xy` are coordinates of the G-buffer in samples. The ray's own plane is met, whatever of the triangle lies behind the
-/// camera, so clipping makes no difference.
-fn daa_meet(xy: vec2f) -> DaaMeeting {
-    let near = daa_relative_position(xy, 1.0);
-    let parallel = daa_frame.orthographic != 0u;
-    let origin = select(vec3f(0.0), near, parallel);
-    let direction = select(near * inverseSqrt(max(dot(near, near), 1e-36)), daa_frame.camera_forward, parallel);
+/// `near` is the point of the near plane through which the ray runs, homogeneous. The plane is met as a whole, so it makes
+/// no difference how much of the triangle lies behind the camera.
+fn daa_meet(near: vec4f) -> DaaMeeting {
+    var origin = vec3f(0.0);
+    var direction = near.xyz * sign(near.w);
+    if daa_frame.orthographic != 0u {
+        origin = near.xyz / near.w;
+        direction = daa_frame.camera_forward;
+    }
     let facing = dot(daa_drawn.plane, direction);
     let point = origin + direction * (dot(daa_drawn.plane, daa_drawn.a - origin) / facing);
     return DaaMeeting(point, daa_weights_of(point), facing);
 }
 
+/// The point of the near plane under the centre of a sample, homogeneous and relative to the camera.
+fn daa_near_point(at: vec2u) -> vec4f {
+    return daa_frame.relative_from_clip * vec4f(daa_ndc(vec2f(at) + 0.5), 1.0, 1.0);
+}
+
 /// The point of the triangle that a sample shows.
-fn daa_shown_point(at: vec2u) -> DaaMeeting {
-    var met = daa_meet(vec2f(at) + 0.5);
+fn daa_shown_point(at: vec2u, near: vec4f) -> DaaMeeting {
+    var met = daa_meet(near);
     let inside = all(met.weights > vec2f(-0.25)) && met.weights.x + met.weights.y < 1.25;
-    if !inside || abs(met.facing) < 1e-5 {
+    let length = select(dot(near.xyz, near.xyz), 1.0, daa_frame.orthographic != 0u);
+    if !inside || met.facing * met.facing < 1e-10 * length {
         // A sliver, or a triangle that is seen edge-on: the rasteriser's vertices lie on a grid, so its ray may pass by
         // the triangle. The depth is on the surface.
         met.point = daa_relative_position(vec2f(at) + 0.5, daa_depth_at(at));
@@ -158,7 +166,7 @@ fn daa_surface_at(at: vec2u) -> vec2u {
         return vec2u(0u);
     }
     daa_read_triangle(ids);
-    let met = daa_shown_point(at);
+    let met = daa_shown_point(at, daa_near_point(at));
     let normal = daa_drawn_normal(daa_inside(met.weights), met.facing);
     return vec2u(pack2x16snorm(daa_octahedral_encode(normal)), daa_drawn.identity);
 }
@@ -178,17 +186,17 @@ fn daa_uv_at(at: vec2u) -> vec2f {
         return vec2f(0.0);
     }
     daa_read_triangle(ids);
-    return daa_triangle_uv(daa_drawn.attributes, daa_inside(daa_shown_point(at).weights));
+    return daa_triangle_uv(daa_drawn.attributes, daa_inside(daa_shown_point(at, daa_near_point(at)).weights));
 }
 
 /// The change of uv from one sample to the next along an axis, within the sample's quad, as rasterisers take it. Behind
-/// the horizon of the plane it is taken on the other side.
-fn daa_uv_change(at: vec2u, here: DaaMeeting, axis: vec2u) -> vec2f {
-    let way = select(1.0, -1.0, ((at.x * axis.x + at.y * axis.y) & 1u) != 0u);
-    var next = daa_meet(vec2f(at) + 0.5 + vec2f(axis) * way);
+/// the horizon of the plane it is taken on the other side. `step` leads from `near` to the next sample's.
+fn daa_uv_change(place: u32, here: DaaMeeting, near: vec4f, step: vec4f) -> vec2f {
+    let way = select(1.0, -1.0, (place & 1u) != 0u);
+    var next = daa_meet(near + step * way);
     var apart = (next.weights - here.weights) * way;
     if next.facing * here.facing <= 0.0 {
-        next = daa_meet(vec2f(at) + 0.5 - vec2f(axis) * way);
+        next = daa_meet(near - step * way);
         apart = (here.weights - next.weights) * way;
     }
     let change = daa_drawn.attributes.uv_ab * apart.x + daa_drawn.attributes.uv_ac * apart.y;
@@ -208,7 +216,8 @@ fn daa_attributes_at(at: vec2u, d: f32) -> DaaAttributes {
         return a;
     }
     daa_read_triangle(ids);
-    let met = daa_shown_point(at);
+    let near = daa_near_point(at);
+    let met = daa_shown_point(at, near);
     let w = daa_inside(met.weights);
     a.relative_position = met.point;
     a.identity = daa_drawn.identity;
@@ -222,7 +231,8 @@ fn daa_attributes_at(at: vec2u, d: f32) -> DaaAttributes {
     a.tangent = vec4f(tangent, own.w * daa_drawn.handedness * daa_drawn_side(met.facing));
     a.user = daa_triangle_user(daa_drawn.attributes, w);
     a.uv = daa_triangle_uv(daa_drawn.attributes, w);
-    a.ddx = daa_uv_change(at, met, vec2u(1u, 0u));
-    a.ddy = daa_uv_change(at, met, vec2u(0u, 1u));
+    let sample = daa_sample_ndc();
+    a.ddx = daa_uv_change(at.x, met, near, daa_frame.relative_from_clip[0] * sample.x);
+    a.ddy = daa_uv_change(at.y, met, near, daa_frame.relative_from_clip[1] * sample.y);
     return a;
 }

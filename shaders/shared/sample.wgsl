@@ -60,11 +60,20 @@ fn daa_rank_at(place: vec2u) -> u32 {
     return daa_frame.order[i >> 2u][i & 3u] >> 16u;
 }
 
+/// Normalised device coordinates of the G-buffer coordinates `xy` (in samples, y down).
+fn daa_ndc(xy: vec2f) -> vec2f {
+    return xy / vec2f(daa_frame.size * DAA_M) * vec2f(2.0, -2.0) + vec2f(-1.0, 1.0);
+}
+
+/// The step of normalised device coordinates from a sample to the next.
+fn daa_sample_ndc() -> vec2f {
+    return vec2f(2.0, -2.0) / vec2f(daa_frame.size * DAA_M);
+}
+
 /// The position, relative to the camera, of the point at the G-buffer coordinates `xy` (in samples, y down) and depth
 /// `d`.
 fn daa_relative_position(xy: vec2f, d: f32) -> vec3f {
-    let ndc = xy / vec2f(daa_frame.size * DAA_M) * vec2f(2.0, -2.0) + vec2f(-1.0, 1.0);
-    let p = daa_frame.relative_from_clip * vec4f(ndc, d, 1.0);
+    let p = daa_frame.relative_from_clip * vec4f(daa_ndc(xy), d, 1.0);
     return p.xyz / p.w;
 }
 

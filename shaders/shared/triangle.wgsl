@@ -34,12 +34,21 @@ fn daa_triangle_normal(t: DaaTriangle, w: vec3f) -> vec3f {
     return t.normal_a * w.x + t.normal_b * w.y + t.normal_c * w.z;
 }
 
+/// A vertex's tangent from its code: 15 bits of the way around the diamond |x| + |y| = 1 about the normal, which takes no
+/// sine.
+fn daa_vertex_tangent(n: vec3f, code: u32) -> vec3f {
+    let way = f32(code & 0x7fffu) * (4.0 / 32768.0);
+    let along = vec2f(abs(way - 2.0) - 1.0, select(1.0 - abs(way - 1.0), abs(way - 3.0) - 1.0, way >= 2.0));
+    let x = daa_basis_x(n);
+    return (along.x * x + along.y * cross(n, x)) * inverseSqrt(dot(along, along));
+}
+
 /// The interpolated tangent, of any length, and the sign of the bitangent.
 fn daa_triangle_tangent(t: DaaTriangle, w: vec3f) -> vec4f {
-    let a = daa_tangent_decode(t.normal_a, t.tangents.x);
-    let b = daa_tangent_decode(t.normal_b, t.tangents.y);
-    let c = daa_tangent_decode(t.normal_c, t.tangents.z);
-    return vec4f(a.xyz * w.x + b.xyz * w.y + c.xyz * w.z, a.w);
+    let a = daa_vertex_tangent(t.normal_a, t.tangents.x);
+    let b = daa_vertex_tangent(t.normal_b, t.tangents.y);
+    let c = daa_vertex_tangent(t.normal_c, t.tangents.z);
+    return vec4f(a * w.x + b * w.y + c * w.z, select(1.0, -1.0, (t.tangents.x & 0x8000u) != 0u));
 }
 
 fn daa_triangle_uv(t: DaaTriangle, w: vec3f) -> vec2f {

@@ -2,7 +2,6 @@
 
 use crate::octahedral;
 use glam::{DVec3, Vec3};
-use std::f64::consts::TAU;
 
 /// The attributes of a vertex, in the mesh's own space.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,21 +22,26 @@ impl Attributes {
     }
 }
 
-/// Normal (octahedral 16+16), tangent (an angle about the decoded normal and a sign, 16), u and v.
+/// Normal (octahedral 16+16), tangent (the way around the decoded normal and a sign, 16), u and v.
 pub(super) fn packed(a: &Attributes) -> [u32; 4] {
     let normal = Vec3::from(a.normal).as_dvec3();
     let code = octahedral::encode(if normal == DVec3::ZERO { DVec3::Y } else { normal });
     [code, tangent(octahedral::decode(code), a.tangent), a.uv[0].to_bits(), a.uv[1].to_bits()]
 }
 
-/// `daa_tangent_encode` of octahedral.wgsl.
+/// The code that `daa_vertex_tangent` of triangle.wgsl decodes, and the sign of the bitangent.
 fn tangent(n: DVec3, [x, y, z, w]: [f32; 4]) -> u32 {
     let along = DVec3::new(x.into(), y.into(), z.into());
     let s = if n.z >= 0.0 { 1.0 } else { -1.0 };
     let a = -1.0 / (s + n.z);
     let basis = DVec3::new(1.0 + s * n.x * n.x * a, s * n.x * n.y * a, -s * n.x);
     let (across, up) = (along.dot(basis), along.dot(n.cross(basis)));
-    let angle = if across == 0.0 && up == 0.0 { 0.0 } else { up.atan2(across) };
-    let code = ((angle / TAU + 1.0) * 32768.0).round() as u32 & 0x7fff;
+    let sum = across.abs() + up.abs();
+    let way = match (sum > 0.0, up >= 0.0) {
+        (false, _) => 0.0,
+        (true, true) => 1.0 - across / sum,
+        (true, false) => 3.0 + across / sum,
+    };
+    let code = (way * 8192.0).round() as u32 & 0x7fff;
     code | if w < 0.0 { 0x8000 } else { 0 }
 }

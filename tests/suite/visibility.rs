@@ -185,7 +185,9 @@ fn every_attribute_is_the_twins() {
     scenes.extend(views().into_iter().filter(|(name, ..)| *name == "mirrored and stretched"));
     for (shown, value) in SHOWN {
         let mut node = Node::new(shown);
-        for (name, scene, camera) in &scenes {
+        // What flattens a ball leaves tangents of almost no length, whose direction is rounding.
+        let has = |name: &str| !(name == "flattened" && shown.contains("tangent"));
+        for (name, scene, camera) in scenes.iter().filter(|(name, ..)| has(name)) {
             let (image, ids, depth) = node.render(scene, camera);
             let positions: Vec<Vec<[f32; 3]>> =
                 scene.meshes.iter().map(|mesh| mesh.positions.iter().map(|p| p.to_array()).collect()).collect();
