@@ -70,7 +70,7 @@ pub use host::error::{
     BuildError, LendError, PipelineError, RecordError, ShadingError, ShadingErrorKind, SizeError, TableError,
 };
 pub use host::frame::{Camera, Frame};
-pub use host::gbuffer::{self, Channels, GBuffer, GBufferTier};
+pub use host::gbuffer::{self, Channels, GBuffer, GBufferTier, Ids};
 pub use host::graph::{
     Grid, LatticeShape, Lifetime, Part, PartInfo, PartKind, PassInfo, PassKind, Resource, ResourceSet, Rounds, Stage,
 };

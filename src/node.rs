@@ -445,7 +445,7 @@ impl DeferredAa {
     /// before had the same.
     fn prepare(&mut self, frame: &Frame<'_>, steps: Vec<Step>, shape: &Shape) -> Result<(), RecordError> {
         let inputs = shape.inputs;
-        let visible = self.build().gbuffer == GBufferTier::Visibility;
+        let visible = self.build().gbuffer.ids().is_some();
         let scene = frame.needs.rays.filter(|_| inputs.any() || visible).map(RayScene::generation);
         // While pipelines of a larger set serve, the frame's own may come at any time.
         let is_same = |p: &Prepared| p.steps == steps && p.shape == *shape && p.scene == scene && p.set == inputs;
@@ -526,13 +526,15 @@ impl DeferredAa {
 
     /// Checks that the frame has what a visibility buffer is read with.
     fn check_scene(&self, frame: &Frame<'_>, camera: glam::Vec3) -> Result<(), RecordError> {
-        if self.build().gbuffer != GBufferTier::Visibility {
-            return Ok(());
-        }
+        let Some(ids) = self.build().gbuffer.ids() else { return Ok(()) };
         let scene = frame.needs.rays.filter(|scene| scene.visibility_buffers().is_some());
         let scene = scene.ok_or(RecordError::NoVisibleScene)?;
         if scene.camera() != camera {
             return Err(RecordError::RayCamera { scene: scene.camera(), camera });
+        }
+        let [triangles, instances] = scene.most_ids();
+        if !ids.fits(triangles, instances) {
+            return Err(RecordError::Ids { ids, triangles, instances });
         }
         Ok(())
     }

@@ -161,7 +161,7 @@ fn daa_drawn_plane(facing: f32) -> vec3f {
 
 /// The code of the normal, and material | object << 16. Both are 0 where the host has drawn nothing.
 fn daa_surface_at(at: vec2u) -> vec2u {
-    let ids = textureLoad(daa_gbuffer_ids, at, 0).xy;
+    let ids = daa_ids_at(at);
     if ids.x == 0u {
         return vec2u(0u);
     }
@@ -173,7 +173,7 @@ fn daa_surface_at(at: vec2u) -> vec2u {
 
 /// material | object << 16.
 fn daa_identity_at(at: vec2u) -> u32 {
-    let instance = textureLoad(daa_gbuffer_ids, at, 0).x;
+    let instance = daa_ids_at(at).x;
     if instance == 0u {
         return 0u;
     }
@@ -181,7 +181,7 @@ fn daa_identity_at(at: vec2u) -> u32 {
 }
 
 fn daa_uv_at(at: vec2u) -> vec2f {
-    let ids = textureLoad(daa_gbuffer_ids, at, 0).xy;
+    let ids = daa_ids_at(at);
     if ids.x == 0u {
         return vec2f(0.0);
     }
@@ -207,7 +207,7 @@ fn daa_uv_change(place: u32, here: DaaMeeting, near: vec4f, step: vec4f) -> vec2
 /// `d` is the sample's depth.
 fn daa_attributes_at(at: vec2u, d: f32) -> DaaAttributes {
     var a: DaaAttributes;
-    let ids = textureLoad(daa_gbuffer_ids, at, 0).xy;
+    let ids = daa_ids_at(at);
     if ids.x == 0u || d <= DAA_SKY_DEPTH {
         a.relative_position = daa_relative_position(vec2f(at) + 0.5, 1.0);
         a.normal = vec3f(0.0, 0.0, 1.0);

@@ -257,7 +257,9 @@ pub(crate) fn frame_layout(device: &wgpu::Device, tier: GBufferTier, inputs: Ray
             entries.extend(tier.uv_format().map(|_| texture(4, wgpu::TextureSampleType::Uint)));
         }
         // The meshes, and the instances of the frame.
-        GBufferTier::Visibility => entries.extend([3, 4].map(|binding| buffer(binding, visibility, found, false, 0))),
+        GBufferTier::Visibility(_) => {
+            entries.extend([3, 4].map(|binding| buffer(binding, visibility, found, false, 0)))
+        }
     }
     for (binding, has) in [(5, inputs.shadows), (6, inputs.reflections)] {
         if has {

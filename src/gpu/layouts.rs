@@ -10,7 +10,7 @@ use crate::gpu::uniforms::frame::{
     AuditUniform, FrameUniform, MultiResolutionUniform, ReconstructUniform, SelectiveUniform, WindowedUniform, flag,
 };
 use crate::gpu::uniforms::lattice::{LatticeUniform, Level, StepUniform};
-use crate::host::gbuffer::{Channels, GBufferTier};
+use crate::host::gbuffer::{Channels, GBufferTier, Ids};
 use crate::host::graph::{Grid, Part};
 use crate::host::needs::RayInputs;
 use crate::host::statistics::Counters;
@@ -27,13 +27,14 @@ use wgpu::naga;
 const TIERS: [TextureTier; 3] = [TextureTier::None, TextureTier::Arrays, TextureTier::Bindings];
 const RAYS: [RayTier; 2] = [RayTier::Software, RayTier::Query];
 /// With each set of targets.
-const GBUFFERS: [GBufferTier; 6] = [
+const GBUFFERS: [GBufferTier; 7] = [
     GBufferTier::Stored(Channels::ALL),
     GBufferTier::Stored(Channels { uv: false, ..Channels::ALL }),
     GBufferTier::Stored(Channels { geometric_normal: true, ..Channels::NONE }),
     GBufferTier::Stored(Channels { user: true, ..Channels::NONE }),
     GBufferTier::Stored(Channels::NONE),
-    GBufferTier::Visibility,
+    GBufferTier::Visibility(Ids::Wide),
+    GBufferTier::Visibility(Ids::Narrow { triangle_bits: 20 }),
 ];
 
 /// With every hook.
@@ -318,7 +319,7 @@ fn packing_is_that_of_the_tier() {
     for tier in GBUFFERS {
         let call = match tier {
             GBufferTier::Stored(_) => "var f: DaaFragment; f.normal = n; return daa_pack(f);",
-            GBufferTier::Visibility => "return daa_pack(u32(n.x), u32(n.y));",
+            GBufferTier::Visibility(_) => "return daa_pack(u32(n.x), u32(n.y));",
         };
         let entry = format!("@fragment fn f(@location(0) n: vec3f) -> DaaGBuffer {{ {call} }}");
         let module = parse(&[tier.pack_wgsl(), entry].join("\n"));
@@ -335,7 +336,7 @@ fn the_group_of_the_frame_has_the_gbuffer() {
     for gbuffer in GBUFFERS {
         let all = [Some(1), Some(2), gbuffer.frame_format().map(|_| 3), gbuffer.uv_format().map(|_| 4)];
         let mut has: BTreeSet<u32> = all.into_iter().flatten().collect();
-        if gbuffer == GBufferTier::Visibility {
+        if gbuffer.ids().is_some() {
             has.extend([3, 4]);
         }
         for pass in passes::ALL {

@@ -1,7 +1,7 @@
 //! The composition of shaders from the crate's chunks of WGSL, the host's source, and a pass. Pipelines, the exporter
 //! and the tests all use [`source`].
 
-use crate::host::gbuffer::GBufferTier;
+use crate::host::gbuffer::{GBufferTier, Ids};
 use crate::host::needs::RayInputs;
 use crate::rays::RayTier;
 use crate::wgsl::{HostSource, chunk};
@@ -84,7 +84,8 @@ fn samples(gbuffer: GBufferTier, inputs: RayInputs) -> Vec<&'static str> {
             if channels.uv { chunk::STORED_UV } else { chunk::STORED_UV_NONE },
             chunk::STORED,
         ]),
-        GBufferTier::Visibility => chunks.push(chunk::VISIBILITY),
+        GBufferTier::Visibility(Ids::Wide) => chunks.extend([chunk::IDS_WIDE, chunk::VISIBILITY]),
+        GBufferTier::Visibility(Ids::Narrow { .. }) => chunks.extend([chunk::IDS_NARROW, chunk::VISIBILITY]),
     }
     chunks.extend([
         chunk::SHARED_EXPONENT,

@@ -5,7 +5,7 @@ use crate::gpu::binding::{self, PassData};
 use crate::gpu::modules::{self, Base, Tiers};
 use crate::gpu::step::Step;
 use crate::host::error::{PipelineError, RecordError};
-use crate::host::gbuffer::GBufferTier;
+use crate::host::gbuffer::{GBufferTier, Ids};
 use crate::host::graph::{PassKind, Stage};
 use crate::host::needs::RayInputs;
 use crate::host::shader::Shader;
@@ -151,6 +151,9 @@ impl Build {
 
     fn constants(&self, pass: &PassData) -> Vec<(&'static str, f64)> {
         let mut constants = vec![("DAA_M", f64::from(self.m))];
+        if let Some(Ids::Narrow { triangle_bits }) = self.gbuffer.ids() {
+            constants.push(("DAA_TRIANGLE_BITS", f64::from(triangle_bits)));
+        }
         if pass.kind == PassKind::Resolve {
             constants.push(("DAA_TARGET_MAX", f64::from(target_max(self.target_format))));
         }

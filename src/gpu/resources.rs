@@ -87,7 +87,7 @@ impl SizedResources {
             width,
             height,
             color: [
-                (Part::GBufferSurface, Some(GBufferTier::FIRST)),
+                (Part::GBufferSurface, Some(shape.gbuffer.first_format())),
                 (Part::GBufferFrame, shape.gbuffer.frame_format()),
                 (Part::GBufferUv, shape.gbuffer.uv_format()),
             ]
@@ -303,7 +303,7 @@ impl SizedResources {
         set: RayInputs,
         scene: Option<&RayScene>,
     ) -> wgpu::BindGroup {
-        let drawn = scene.filter(|_| build.gbuffer == GBufferTier::Visibility);
+        let drawn = scene.filter(|_| build.gbuffer.ids().is_some());
         let generation = drawn.map_or(0, RayScene::generation);
         if let Some((_, group)) = self.frames.get(&(inputs, set)).filter(|(bound, _)| *bound == generation) {
             return group.clone();
@@ -324,7 +324,7 @@ impl SizedResources {
                 let bound = targets.into_iter().filter_map(|(binding, part)| Some((binding, self.view(part)?)));
                 entries.extend(bound.map(|(binding, target)| view(binding, target)));
             }
-            GBufferTier::Visibility => {
+            GBufferTier::Visibility(_) => {
                 let drawn = drawn.and_then(RayScene::visibility_buffers);
                 let [meshes, instances] = drawn.unwrap_or([buffers.nothing(Access::Read); 2]);
                 entries.extend(self.view(Part::GBufferSurface).map(|ids| view(2, ids)));

@@ -105,7 +105,7 @@ impl Shape {
             |format| texture(format, size.map(|side| side * m), wgpu::TextureUsages::RENDER_ATTACHMENT | SAMPLED);
         match part {
             Part::GBufferDepth => gbuffer(DEPTH_FORMAT),
-            Part::GBufferSurface => gbuffer(GBufferTier::FIRST),
+            Part::GBufferSurface => gbuffer(self.gbuffer.first_format()),
             Part::GBufferFrame => self.gbuffer.frame_format().and_then(gbuffer),
             Part::GBufferUv => self.gbuffer.uv_format().and_then(gbuffer),
             Part::First | Part::Color => texture(IMAGE_FORMAT, size, wgpu::TextureUsages::STORAGE_BINDING | SAMPLED),

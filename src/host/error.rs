@@ -1,5 +1,6 @@
 //! The errors of the public interface. Each says what is wrong, where, and what to do about it.
 
+use crate::host::gbuffer::Ids;
 use crate::host::graph::Part;
 use crate::rays::RayTier;
 use crate::settings::{Execution, Pattern, SettingsError};
@@ -273,6 +274,18 @@ pub enum RecordError {
         "the G-buffer holds triangles, but the frame has no scene for them; set Needs::rays to a RayScene::for_visibility"
     )]
     NoVisibleScene,
+    /// The ids of the visibility buffer are too narrow for the scene.
+    #[error(
+        "{ids:?} can't name {triangles} triangles of a mesh and {instances} instances; use Ids::for_scene with the most that any frame has, or Ids::Wide"
+    )]
+    Ids {
+        /// The ids of the descriptor.
+        ids: Ids,
+        /// The triangles of the scene's largest mesh.
+        triangles: u32,
+        /// The instances of the frame.
+        instances: u32,
+    },
     /// The frame has materials that send rays, but the host's WGSL has no `reflection`.
     #[error(
         "the frame has materials that reflect or refract, but the host's WGSL has no `fn reflection(s: DaaSample) -> DaaReflection`; write it, or leave Needs::reflective empty"

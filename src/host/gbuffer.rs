@@ -14,11 +14,11 @@
 //! depth. Gradients are stored, not derived from neighbouring samples: the rasteriser takes them inside one triangle, so
 //! no material or UV seam can smear.
 //!
-//! [`GBufferTier::Visibility`] keeps which triangle a sample shows, 12 bytes with depth:
+//! [`GBufferTier::Visibility`] keeps which triangle a sample shows, 8 or 12 bytes with depth:
 //!
 //! | target | format | holds |
 //! |---|---|---|
-//! | ids | `Rg32Uint` | index of the instance + 1, 0 where nothing is drawn; index of the triangle in its mesh |
+//! | ids | `Rg32Uint` or `R32Uint` | index of the instance + 1, 0 where nothing is drawn; index of the triangle in its mesh |
 //! | depth | `Depth32Float` | as above |
 //!
 //! Clear colour and depth to 0, and write depth where it is greater.
@@ -33,9 +33,43 @@ pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 pub enum GBufferTier {
     /// The attributes of each sample, 12 to 36 bytes by the channels. The host needs nothing but its rasteriser.
     Stored(Channels),
-    /// The triangle of each sample, 12 bytes. The node reads the attributes from the meshes and instances of a
+    /// The triangle of each sample, 8 or 12 bytes. The node reads the attributes from the meshes and instances of a
     /// [`RayScene`](crate::rays::RayScene) when it needs them, so rasterising costs a fraction and nothing is rounded.
-    Visibility,
+    Visibility(Ids),
+}
+
+/// How a visibility buffer names a triangle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+pub enum Ids {
+    /// By 32 bits for the instance and 32 for the triangle: 8 bytes a sample. Every scene fits.
+    Wide,
+    /// By 32 bits for both: 4 bytes a sample. A scene fits if none of its meshes has more than 2^`triangle_bits`
+    /// triangles, and a frame has fewer than 2^(32 − `triangle_bits`) instances;
+    /// [`DeferredAa::record`](crate::DeferredAa::record) refuses others.
+    Narrow {
+        /// The bits for the triangle, 1 to 31.
+        triangle_bits: u32,
+    },
+}
+
+impl Ids {
+    /// The narrowest ids for meshes of up to so many triangles and so many instances, now and in frames to come.
+    pub fn for_scene(most_triangles: u32, most_instances: u32) -> Self {
+        let triangle_bits = most_triangles.saturating_sub(1).checked_ilog2().map_or(1, |log2| log2 + 1);
+        let narrow = Self::Narrow { triangle_bits };
+        if narrow.fits(most_triangles, most_instances) { narrow } else { Self::Wide }
+    }
+
+    pub(crate) fn fits(self, most_triangles: u32, instances: u32) -> bool {
+        match self {
+            Self::Wide => true,
+            Self::Narrow { triangle_bits: bits @ 1..=31 } => {
+                u64::from(most_triangles) <= 1 << bits && u64::from(instances) < 1 << (32 - bits)
+            }
+            Self::Narrow { .. } => false,
+        }
+    }
 }
 
 impl Default for GBufferTier {
@@ -86,8 +120,21 @@ impl Channels {
 }
 
 impl GBufferTier {
-    /// The format of the first target, on both tiers.
-    pub(crate) const FIRST: wgpu::TextureFormat = wgpu::TextureFormat::Rg32Uint;
+    /// The format of the first target: the surface, or the ids.
+    pub(crate) fn first_format(self) -> wgpu::TextureFormat {
+        match self {
+            Self::Stored(_) | Self::Visibility(Ids::Wide) => wgpu::TextureFormat::Rg32Uint,
+            Self::Visibility(Ids::Narrow { .. }) => wgpu::TextureFormat::R32Uint,
+        }
+    }
+
+    /// How triangles are named, `None` if attributes are stored.
+    pub(crate) fn ids(self) -> Option<Ids> {
+        match self {
+            Self::Stored(_) => None,
+            Self::Visibility(ids) => Some(ids),
+        }
+    }
 
     /// The format of the target frame, if there is one.
     pub(crate) fn frame_format(self) -> Option<wgpu::TextureFormat> {
@@ -106,7 +153,7 @@ impl GBufferTier {
 
     /// The formats of the colour targets, in the order of the locations in `DaaGBuffer`.
     pub fn color_formats(self) -> Vec<wgpu::TextureFormat> {
-        [Some(Self::FIRST), self.frame_format(), self.uv_format()].into_iter().flatten().collect()
+        [Some(self.first_format()), self.frame_format(), self.uv_format()].into_iter().flatten().collect()
     }
 
     /// The size of one sample in bytes, depth included.
@@ -129,7 +176,10 @@ impl GBufferTier {
     ///   `@builtin(primitive_index)`.
     pub fn pack_wgsl(self) -> String {
         const OCTAHEDRAL: &str = include_str!("../../shaders/shared/octahedral.wgsl");
-        let Self::Stored(channels) = self else { return PACK_IDS.to_owned() };
+        let channels = match self {
+            Self::Stored(channels) => channels,
+            Self::Visibility(ids) => return pack_ids(ids),
+        };
         let (ty, word) = match channels.frame() {
             [true, true] => ("vec2u", "frame"),
             [_, false] => ("u32", "frame.x"),
@@ -154,7 +204,17 @@ impl GBufferTier {
 }
 
 pub(crate) const PACK: &str = include_str!("../../shaders/gbuffer/pack.wgsl");
-pub(crate) const PACK_IDS: &str = include_str!("../../shaders/gbuffer/pack_ids.wgsl");
+
+fn pack_ids(ids: Ids) -> String {
+    let (ty, packed) = match ids {
+        Ids::Wide => ("vec2u", "vec2u(instance + 1u, triangle)".to_owned()),
+        Ids::Narrow { triangle_bits } => ("u32", format!("((instance + 1u) << {triangle_bits}u) | triangle")),
+    };
+    format!(
+        "/// The colour target of the G-buffer.\nstruct DaaGBuffer {{\n    @location(0) ids: {ty},\n}}\n\n\
+         fn daa_pack(instance: u32, triangle: u32) -> DaaGBuffer {{\n    return DaaGBuffer({packed});\n}}\n"
+    )
+}
 
 /// The attachments to render into, m·width × m·height samples. The node owns them;
 /// [`resize`](crate::DeferredAa::resize) replaces them.
@@ -221,6 +281,17 @@ mod tests {
         assert_eq!(bytes(Channels { tangent: true, ..Channels::NONE }), 16);
         assert_eq!(bytes(Channels { uv: false, ..Channels::ALL }), 20);
         assert_eq!(bytes(Channels { uv: true, ..Channels::NONE }), 28);
-        assert_eq!(GBufferTier::Visibility.bytes_per_sample(), 12);
+        let ids = |ids| GBufferTier::Visibility(ids).bytes_per_sample();
+        assert_eq!((ids(Ids::Wide), ids(Ids::Narrow { triangle_bits: 20 })), (12, 8));
+    }
+
+    #[test]
+    fn narrow_ids_are_for_scenes_that_fit() {
+        assert_eq!(Ids::for_scene(0, 0), Ids::Narrow { triangle_bits: 1 });
+        assert_eq!(Ids::for_scene(1 << 20, 4095), Ids::Narrow { triangle_bits: 20 });
+        assert_eq!(Ids::for_scene(1 << 20, 4096), Ids::Wide);
+        assert_eq!(Ids::for_scene((1 << 20) + 1, 2047), Ids::Narrow { triangle_bits: 21 });
+        assert_eq!(Ids::for_scene(u32::MAX, 1), Ids::Wide);
+        assert!(!Ids::Narrow { triangle_bits: 32 }.fits(1, 0) && !Ids::Narrow { triangle_bits: 0 }.fits(1, 0));
     }
 }

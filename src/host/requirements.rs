@@ -68,7 +68,7 @@ impl Requirements {
         if !flags.contains(wgpu::DownlevelFlags::ANISOTROPIC_FILTERING) {
             lost.push("no anisotropic filtering: textures blur at grazing angles".to_owned());
         }
-        if descriptor.gbuffer == GBufferTier::Visibility && !has.contains(wgpu::Features::PRIMITIVE_INDEX) {
+        if descriptor.gbuffer.ids().is_some() && !has.contains(wgpu::Features::PRIMITIVE_INDEX) {
             lost.push(
                 "no primitive index: a visibility buffer needs another way to tell triangles apart, such as vertex pulling"
                     .to_owned(),
@@ -111,7 +111,7 @@ fn features(descriptor: &Descriptor<'_>) -> (wgpu::Features, wgpu::Features) {
         needed |= QUERY_FEATURES;
     }
     let wanted = match descriptor.gbuffer {
-        GBufferTier::Visibility => wgpu::Features::PRIMITIVE_INDEX,
+        GBufferTier::Visibility(_) => wgpu::Features::PRIMITIVE_INDEX,
         GBufferTier::Stored(_) => wgpu::Features::empty(),
     };
     (needed, wgpu::Features::TIMESTAMP_QUERY | wanted)
@@ -128,8 +128,8 @@ fn limits(descriptor: &Descriptor<'_>) -> wgpu::Limits {
     // `reflect` binds this many: its own, the table's and two of the host's. A visibility buffer has the meshes and the
     // instances besides, with which the passes without rays exceed the default of 8, too.
     limits.max_storage_buffers_per_shader_stage = match (descriptor.rays, descriptor.gbuffer) {
-        (Some(_), GBufferTier::Visibility) => 14,
-        (None, GBufferTier::Visibility) => 10,
+        (Some(_), GBufferTier::Visibility(_)) => 14,
+        (None, GBufferTier::Visibility(_)) => 10,
         (Some(_), GBufferTier::Stored(_)) => 12,
         (None, GBufferTier::Stored(_)) => limits.max_storage_buffers_per_shader_stage,
     };

@@ -79,7 +79,7 @@ pub(crate) static ALL: &[&PassData] = &[
 /// changed.
 pub fn shader_texts() -> Vec<&'static str> {
     let own = ALL.iter().flat_map(|pass| pass.module.chunks.iter().copied());
-    let mut all: Vec<_> = chunk::ALL.iter().copied().chain([gbuffer::PACK, gbuffer::PACK_IDS]).chain(own).collect();
+    let mut all: Vec<_> = chunk::ALL.iter().copied().chain([gbuffer::PACK]).chain(own).collect();
     all.sort_unstable();
     all.dedup();
     all

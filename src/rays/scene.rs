@@ -94,6 +94,8 @@ pub struct RayScene {
     upload: Vec<[u32; 4]>,
     /// The same for a visibility buffer.
     records: Vec<DrawnRecord>,
+    /// The triangles of the largest mesh.
+    most_triangles: u32,
 }
 
 /// The position of a bottom level in the buffers.
@@ -194,6 +196,7 @@ impl RayScene {
             generation: next_generation(),
             upload: Vec::new(),
             records: Vec::new(),
+            most_triangles: 0,
         }
     }
 
@@ -253,6 +256,7 @@ impl RayScene {
         queue.write_buffer(&self.nodes.buffer, nodes * VEC4, bytemuck::cast_slice(&relocated));
         queue.write_buffer(&self.geometry.buffer, geometry * VEC4, bytemuck::cast_slice(&records));
         self.used = [nodes_end, end];
+        self.most_triangles = self.most_triangles.max(order.len() as u32);
         self.meshes.push(Placed {
             name: mesh.name.clone(),
             root: root as u32,
@@ -473,6 +477,11 @@ impl RayScene {
             places[id / 4][id % 4] = place;
         }
         places
+    }
+
+    /// The triangles of the largest mesh and the instances of the frame, which a visibility buffer names.
+    pub(crate) fn most_ids(&self) -> [u32; 2] {
+        [self.most_triangles, self.records.len() as u32]
     }
 
     /// The buffers that a visibility buffer is read with: the geometry, and the instances of the frame. `None` if the

@@ -22,6 +22,8 @@ chunks! {
     STORED_FRAME_NONE: "gbuffer/stored_frame_none.wgsl",
     STORED_UV: "gbuffer/stored_uv.wgsl",
     STORED_UV_NONE: "gbuffer/stored_uv_none.wgsl",
+    IDS_WIDE: "gbuffer/ids_wide.wgsl",
+    IDS_NARROW: "gbuffer/ids_narrow.wgsl",
     VISIBILITY: "gbuffer/visibility.wgsl",
     TRIANGLE: "shared/triangle.wgsl",
     MEAN: "shared/mean.wgsl",

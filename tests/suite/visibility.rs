@@ -8,7 +8,7 @@ use deferred_aa::glam::{Affine3A, DAffine3, DVec2, DVec3, Mat4, Vec3, vec3};
 use deferred_aa::rays::{Attributes, BottomLevel, Instance, Mesh, RayError, RayScene, RayTier};
 use deferred_aa::reference::visibility::{Input, Seen};
 use deferred_aa::{
-    BuildError, Channels, DebugView, DeferredAa, Descriptor, Frame, GBufferTier, InputMistake, Needs, RecordError,
+    BuildError, Channels, DebugView, DeferredAa, Descriptor, Frame, GBufferTier, Ids, InputMistake, Needs, RecordError,
     Settings, Shading, Technique, TextureTier, wgpu,
 };
 use deferred_aa_demo::gpu::{self, Gpu};
@@ -80,7 +80,7 @@ impl Node {
         let source = format!("fn shade(s: DaaSample) -> vec4f {{ return {shown}; }}");
         let descriptor = Descriptor {
             m: 1,
-            gbuffer: GBufferTier::Visibility,
+            gbuffer: GBufferTier::Visibility(Ids::Wide),
             textures: TextureTier::Arrays,
             ..Descriptor::new(wgpu::TextureFormat::Rgba32Float, Shading { source: &source, file: "test.wgsl" })
         };
@@ -274,8 +274,9 @@ fn both_tiers_show_the_same() {
     ] {
         let scene = builtin::builtin(name).unwrap();
         let camera = scene.default_camera();
+        let narrow = deferred_aa_demo::host::gbuffer_tier(&scene, &adapter());
         let mut stored = host(scene.clone(), m, [96, 54], GBufferTier::default());
-        let mut visible = host(scene, m, [96, 54], GBufferTier::Visibility);
+        let mut visible = host(scene, m, [96, 54], narrow);
         for &technique in techniques {
             let settings = Settings { technique, ..Default::default() };
             let [a, b] = [&mut stored, &mut visible].map(|host| {
@@ -287,7 +288,7 @@ fn both_tiers_show_the_same() {
             assert!(apart >= 60.0, "{name}, {technique:?}: {apart} dB");
         }
         let bytes = [stored.aa.memory().gbuffer, visible.aa.memory().gbuffer];
-        assert_eq!(bytes, [36, 12].map(|bytes| 96 * 54 * u64::from(m * m) * bytes), "{name}");
+        assert_eq!(bytes, [36, 8].map(|bytes| 96 * 54 * u64::from(m * m) * bytes), "{name}");
         assert!(stored.edge_mask() == visible.edge_mask(), "{name}: the edges differ");
     }
 }
@@ -300,7 +301,8 @@ fn every_view_and_the_check_read_it() {
     }
     let scene = builtin::builtin("fence").unwrap();
     let camera = scene.default_camera();
-    let mut host = host(scene, 2, [48, 27], GBufferTier::Visibility);
+    let narrow = deferred_aa_demo::host::gbuffer_tier(&scene, &adapter());
+    let mut host = host(scene, 2, [48, 27], narrow);
     for view in DebugView::ALL {
         for technique in Technique::ALL {
             let settings = Settings { technique, view, ..Default::default() };
@@ -384,7 +386,7 @@ const WHITE: Shading<'_> = Shading { source: crate::harness::WHITE, file: "test.
 
 #[test]
 fn a_scene_that_does_not_serve_is_refused() {
-    let descriptor = Descriptor { gbuffer: GBufferTier::Visibility, ..Descriptor::new(FORMAT, WHITE) };
+    let descriptor = Descriptor { gbuffer: GBufferTier::Visibility(Ids::Wide), ..Descriptor::new(FORMAT, WHITE) };
     let gpu = Gpu::new(adapter(), &descriptor).expect("a device");
     let (device, queue) = (&gpu.device, &gpu.queue);
     let mut aa = DeferredAa::new(device, &descriptor, None).expect("a node");
@@ -416,6 +418,15 @@ fn a_scene_that_does_not_serve_is_refused() {
     empty.update(device, queue, &mut encoder, &[], Vec3::X).unwrap();
     let moved = RecordError::RayCamera { scene: Vec3::X, camera: Vec3::ZERO };
     assert_eq!(record(Some(&empty)), Err(moved));
+    // Narrow ids name two triangles of a mesh.
+    let positions = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let attributes = [Attributes { normal: [0.0, 0.0, 1.0], tangent: [0.0; 4], uv: [0.0; 2], user: 0 }; 3];
+    let indices = [0, 1, 2, 0, 2, 1, 1, 0, 2];
+    let mesh = Mesh { name: "leaf", positions: &positions, indices: &indices, attributes: &attributes, masked: false };
+    let mut large = RayScene::for_visibility(device, None);
+    large.add(device, queue, &mut encoder, &BottomLevel::untraced(&mesh).unwrap()).unwrap();
+    let ids = Ids::Narrow { triangle_bits: 1 };
+    assert_eq!(record(Some(&large)), Err(RecordError::Ids { ids, triangles: 3, instances: 0 }));
     gpu.wait();
     assert_eq!(gpu.take_errors(), Vec::<String>::new());
 }

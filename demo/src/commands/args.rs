@@ -105,7 +105,7 @@ impl GBufferArg {
         match asked {
             None => Ok(best),
             Some(Self::Stored) => Ok(host::stored(scene)),
-            Some(Self::Visibility) if best == GBufferTier::Visibility => Ok(best),
+            Some(Self::Visibility) if matches!(best, GBufferTier::Visibility(_)) => Ok(best),
             Some(Self::Visibility) => {
                 let name = adapter.get_info().name;
                 Err(wrong("--gbuffer", format!("'{name}' can't tell triangles apart (no PRIMITIVE_INDEX): use stored")))

@@ -6,7 +6,7 @@ use super::output::{say, write_json};
 use super::set::SettingsArgs;
 use crate::host;
 use crate::shaders::{self, Lang, Request};
-use deferred_aa::{GBufferTier, Shading, TextureTier};
+use deferred_aa::{GBufferTier, Ids, Shading, TextureTier};
 use std::path::{Path, PathBuf};
 
 /// See `deferred-aa-demo shaders --help`.
@@ -65,7 +65,7 @@ impl Shaders {
             rays: self.rays.tier(),
             gbuffer: match self.gbuffer {
                 GBufferArg::Stored => GBufferTier::default(),
-                GBufferArg::Visibility => GBufferTier::Visibility,
+                GBufferArg::Visibility => GBufferTier::Visibility(Ids::Wide),
             },
             shading,
         };

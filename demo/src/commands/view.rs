@@ -9,7 +9,7 @@ use crate::scene::builtin;
 use crate::scene::open::open;
 use crate::settings_file;
 use crate::view::{self, Kept, Source, Start};
-use deferred_aa::GBufferTier;
+use deferred_aa::{GBufferTier, Ids};
 use std::path::{Path, PathBuf};
 
 /// See `deferred-aa-demo view --help`.
@@ -94,7 +94,7 @@ impl View {
             rays: self.rays.tier(),
             gbuffer: match self.gbuffer {
                 Some(GBufferArg::Stored) => GBufferTier::default(),
-                _ => GBufferTier::Visibility,
+                _ => GBufferTier::Visibility(Ids::Wide),
             },
         };
         let start = Start {

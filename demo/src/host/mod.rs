@@ -13,8 +13,9 @@ use crate::picture::Picture;
 use crate::scene::{Camera, Material, Scene, Sun};
 use deferred_aa::rays::{RayError, RayTier};
 use deferred_aa::{
-    BuildError, CastingLight, Channels, DebugView, DeferredAa, Descriptor, Effect, Frame, GBuffer, GBufferTier, Needs,
-    ObjectImportance, Pass, PlanWord, RecordError, Settings, Shading, SizeError, Statistics, Technique, TextureTier,
+    BuildError, CastingLight, Channels, DebugView, DeferredAa, Descriptor, Effect, Frame, GBuffer, GBufferTier, Ids,
+    Needs, ObjectImportance, Pass, PlanWord, RecordError, Settings, Shading, SizeError, Statistics, Technique,
+    TextureTier,
 };
 use glam::Vec3;
 use gpu::Gpu;
@@ -161,7 +162,11 @@ pub fn stored(scene: &Scene) -> GBufferTier {
 /// The G-buffer of a scene on an adapter: a visibility buffer wherever the adapter tells triangles apart.
 pub fn gbuffer_tier(scene: &Scene, adapter: &wgpu::Adapter) -> GBufferTier {
     let has = adapter.features().contains(wgpu::Features::PRIMITIVE_INDEX);
-    if has { GBufferTier::Visibility } else { stored(scene) }
+    if !has {
+        return stored(scene);
+    }
+    let triangles = scene.meshes.iter().map(|mesh| mesh.indices.len() / 3).max().unwrap_or(0);
+    GBufferTier::Visibility(Ids::for_scene(triangles as u32, scene.instances.len() as u32))
 }
 
 /// The descriptor of the demo's nodes.
@@ -342,7 +347,7 @@ impl Host {
         let reflective =
             reflections.contains(&Effect::On) || (!self.reflective.is_empty() && reflections.contains(&Effect::Auto));
         let traces = settings.shadows == Effect::On || !shadows.is_empty() || reflective;
-        let visible = self.options.gbuffer == GBufferTier::Visibility;
+        let visible = matches!(self.options.gbuffer, GBufferTier::Visibility(_));
         if traces || visible {
             let rays = match &mut self.rays {
                 Some(rays) if !traces || rays.scene.tier().is_some() => rays,
@@ -471,15 +476,19 @@ impl Host {
     /// The surfaces of the last frame's G-buffer, rows from the top: normal (octahedral 16+16), material and object.
     /// Waits.
     pub fn surfaces(&self) -> Vec<[u32; 2]> {
-        let read = |g: &GBuffer| self.gpu.read_texture(g.color[0].texture(), 8);
-        let first = self.aa.gbuffer().map_or(Vec::new(), |g| bytemuck::pod_collect_to_vec(&read(g)));
-        match (self.options.gbuffer, &self.shown) {
-            (GBufferTier::Visibility, Some(camera)) => {
-                let width = (self.options.width * self.options.m) as usize;
-                visible::surfaces(&self.scene, camera, &first, &self.depths(), width)
+        let Some(first) = self.aa.gbuffer().map(|gbuffer| gbuffer.color[0].texture()) else { return Vec::new() };
+        let (GBufferTier::Visibility(ids), Some(camera)) = (self.options.gbuffer, &self.shown) else {
+            return bytemuck::pod_collect_to_vec(&self.gpu.read_texture(first, 8));
+        };
+        let ids = match ids {
+            Ids::Wide => bytemuck::pod_collect_to_vec(&self.gpu.read_texture(first, 8)),
+            Ids::Narrow { triangle_bits } => {
+                let words: Vec<u32> = bytemuck::pod_collect_to_vec(&self.gpu.read_texture(first, 4));
+                words.into_iter().map(|word| [word >> triangle_bits, word & ((1 << triangle_bits) - 1)]).collect()
             }
-            _ => first,
-        }
+        };
+        let width = (self.options.width * self.options.m) as usize;
+        visible::surfaces(&self.scene, camera, &ids, &self.depths(), width)
     }
 
     /// The depth target of the last frame's G-buffer, rows from the top: reversed z, 0 is the sky. Waits.

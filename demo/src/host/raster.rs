@@ -113,7 +113,7 @@ impl Raster {
         // An opaque triangle of a visibility buffer needs nothing of a vertex but its position.
         let entries = match tier {
             GBufferTier::Stored(_) => [("raster_vertex", "raster_opaque"), ("raster_vertex", "raster_mask")],
-            GBufferTier::Visibility => [("ids_vertex", "ids_opaque"), ("raster_vertex", "ids_mask")],
+            GBufferTier::Visibility(_) => [("ids_vertex", "ids_opaque"), ("raster_vertex", "ids_mask")],
         };
         let targets = tier.color_targets();
         let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
@@ -267,7 +267,7 @@ pub(crate) fn source(textures: TextureTier, tier: GBufferTier) -> String {
     let (directives, table) = DeferredAa::texture_wgsl(textures);
     let (enable, own) = match tier {
         GBufferTier::Stored(_) => ("", include_str!("raster_stored.wgsl")),
-        GBufferTier::Visibility => ("enable primitive_index;", include_str!("raster_ids.wgsl")),
+        GBufferTier::Visibility(_) => ("enable primitive_index;", include_str!("raster_ids.wgsl")),
     };
     let pack = tier.pack_wgsl();
     [enable, directives, &pack, table, include_str!("material.wgsl"), include_str!("raster.wgsl"), own].join("\n")

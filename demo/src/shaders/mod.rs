@@ -119,7 +119,7 @@ fn collect(request: &Request<'_>) -> Result<Vec<Shaders>, ShadersError> {
 fn pack(tier: GBufferTier) -> Shader {
     let main = match tier {
         GBufferTier::Stored(_) => PACK_MAIN,
-        GBufferTier::Visibility => PACK_IDS_MAIN,
+        GBufferTier::Visibility(_) => PACK_IDS_MAIN,
     };
     Shader {
         pass: "pack",

@@ -74,7 +74,7 @@ impl InputCheck {
         let samples = size.map(|side| u64::from(side * build.m));
         self.has_geometric_normal = match build.gbuffer {
             GBufferTier::Stored(channels) => channels.frame()[0],
-            GBufferTier::Visibility => true,
+            GBufferTier::Visibility(_) => true,
         };
         self.begun = (mistakes, samples[0] * samples[1]);
         self.read_back.send(encoder);

@@ -33,7 +33,7 @@ impl Stage {
             None => gpu::choose(self.adapter.as_deref()).map_err(|e| e.to_string())?,
         };
         let gbuffer = match options.gbuffer {
-            GBufferTier::Visibility => host::gbuffer_tier(&scene, &adapter),
+            GBufferTier::Visibility(_) => host::gbuffer_tier(&scene, &adapter),
             GBufferTier::Stored(_) => host::stored(&scene),
         };
         let options = Options { gbuffer, ..options };
