@@ -26,8 +26,8 @@ pub const BYTES_PER_SAMPLE: u64 = 36;
 pub const PACK_WGSL: &str =
     concat!(include_str!("../../shaders/shared/octahedral.wgsl"), "\n", include_str!("../../shaders/pack.wgsl"));
 
-/// The attachments to render into, m·width × m·height samples. The node owns them;
-/// [`resize`](crate::DeferredAa::resize) replaces them.
+/// The attachments to render into, m·width × m·height samples of the output, or of a [band](crate::Band) with its
+/// apron. The node owns them; [`resize`](crate::DeferredAa::resize) replaces them.
 #[derive(Debug, Clone)]
 pub struct GBuffer {
     /// The number of samples along x: m · width.

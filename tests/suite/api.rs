@@ -73,6 +73,8 @@ fn frame(target: &wgpu::TextureView, settings: Settings) -> Frame<'_> {
         host_bind_group: None,
         textures: None,
         target,
+        viewport: None,
+        band: None,
         needs: Needs::default(),
         statistics: true,
     }

@@ -329,6 +329,8 @@ impl Host {
             host_bind_group: Some(&self.host_bind_group),
             textures: Some(&self.uploaded.table),
             target: &self.target_view,
+            viewport: None,
+            band: None,
             statistics: true,
         };
         record(&mut self.aa, &self.gpu.queue, &mut encoder, &frame)?;
