@@ -11,7 +11,7 @@ use crate::host::gbuffer::{COLOR_FORMATS, DEPTH_FORMAT, GBuffer};
 use crate::host::graph::{Part, PartKind, Resource, Stage};
 use crate::host::needs::RayInputs;
 use crate::rays::RayScene;
-use crate::settings::Execution;
+use crate::settings::{Execution, Pattern};
 use std::collections::HashMap;
 
 /// The memory of a part.
@@ -247,9 +247,15 @@ impl SizedResources {
         if let Some(tiles) = self.buffer(Part::Tiles).filter(|_| shape.inputs.any()) {
             encoder.clear_buffer(tiles, 0, Some(TILE_CLASSES_BYTES));
         }
-        // `trace` reads the first samples of neighbouring windows.
+        // `trace` reads the first samples of neighbouring windows. Points beyond the image's border read samples there
+        // that may have no point of their own.
+        let all = shape.lattices.is_some_and(|lattices| lattices.has(Pattern::Equilateral));
         if let Some(shadows) = self.buffer(Part::Shadows).filter(|_| shape.inputs.shadows) {
-            encoder.clear_buffer(shadows, 0, Some(plan_bytes(shape.size)));
+            encoder.clear_buffer(
+                shadows,
+                0,
+                Some(if all { sample_bytes(shape.size, shape.m) } else { plan_bytes(shape.size) }),
+            );
             if shape.rays {
                 let bytes = sample_bytes(shape.size, shape.m);
                 encoder.clear_buffer(shadows, bytes, Some(bytes));

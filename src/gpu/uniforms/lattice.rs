@@ -214,6 +214,11 @@ impl LatticeSteps {
         &self.steps[step.of as usize][step.level as usize]
     }
 
+    /// Whether any of the lattices has this pattern.
+    pub fn has(&self, pattern: Pattern) -> bool {
+        self.steps.as_flattened().iter().any(|step| step.points.width > 0 && step.points.kind == pattern as u32)
+    }
+
     /// The bytes of the points, and of their colours.
     pub fn bytes(&self) -> [u64; 2] {
         [u64::from(2 * self.points[0] - self.points[1]) * 16, u64::from(self.points[1]) * 16]
