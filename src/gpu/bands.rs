@@ -38,7 +38,8 @@ impl Side {
 
     /// The lengths that bands may have, from the least; the last is the image's.
     fn sizes(length: u32, apron: u32) -> impl Fn(u32) -> u32 {
-        let least = (apron + apron.next_multiple_of(TILE) + TILE).next_multiple_of(TILE) + length % TILE;
+        let room = apron + apron.next_multiple_of(TILE) + TILE;
+        let least = room + length.wrapping_sub(room) % TILE;
         move |i| least.saturating_add(i.saturating_mul(TILE)).min(length)
     }
 

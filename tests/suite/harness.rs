@@ -3,7 +3,7 @@
 use deferred_aa::reference::metrics::{Input, Worth};
 use deferred_aa::reference::octahedral;
 use deferred_aa::{
-    BINDING_FEATURES, Camera, DeferredAa, Descriptor, Frame, GBuffer, InputReport, Needs, RecordError, Settings,
+    BINDING_FEATURES, Band, Camera, DeferredAa, Descriptor, Frame, GBuffer, InputReport, Needs, RecordError, Settings,
     Shading, Statistics, TextureTier, gbuffer,
     glam::{DVec3, Mat4, Vec2, Vec3, Vec4, camera::rh::proj::directx},
     wgpu,
@@ -90,6 +90,8 @@ pub struct Rig {
     pub size: [u32; 2],
     pub exposure: f32,
     pub camera: Camera,
+    /// Of the image, that the G-buffer holds.
+    pub band: Option<Band>,
     target: wgpu::Texture,
     view: wgpu::TextureView,
 }
@@ -137,7 +139,7 @@ impl Rig {
         });
         let view = target.create_view(&Default::default());
         let camera = camera(width as f32 / height as f32);
-        Self { gpu, aa, size: [width, height], exposure: 1.0, camera, target, view }
+        Self { gpu, aa, size: [width, height], exposure: 1.0, camera, band: None, target, view }
     }
 
     /// Writes the G-buffer, sample by sample, through the crate's own packing.
@@ -156,7 +158,8 @@ impl Rig {
     ) -> Result<wgpu::CommandBuffer, RecordError> {
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         let (settings, exposure, statistics) = (settings, self.exposure, true);
-        let frame = Frame { needs, settings, exposure, statistics, ..Frame::new(self.camera, &self.view) };
+        let band = self.band;
+        let frame = Frame { needs, settings, exposure, statistics, band, ..Frame::new(self.camera, &self.view) };
         self.aa.record(&self.gpu.queue, &mut encoder, &frame)?;
         Ok(encoder.finish())
     }
@@ -164,7 +167,7 @@ impl Rig {
     /// Records a check of the input alone.
     pub fn try_check(&mut self) -> Result<wgpu::CommandBuffer, RecordError> {
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        let frame = Frame::new(self.camera, &self.view);
+        let frame = Frame { band: self.band, ..Frame::new(self.camera, &self.view) };
         self.aa.check_input(&self.gpu.queue, &mut encoder, &frame)?;
         Ok(encoder.finish())
     }
