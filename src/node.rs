@@ -212,7 +212,7 @@ impl DeferredAa {
             return Err(SizeError::Empty { width, height });
         }
         if image.iter().any(|&side| side.checked_mul(m).is_none_or(|samples| samples > MOST_SAMPLES)) {
-            return Err(SizeError::TooLarge { width, height, m, limit: MOST_SAMPLES });
+            return Err(SizeError::Samples { width, height, m, limit: MOST_SAMPLES });
         }
         let inputs = RayInputs::of(settings, needs);
         let steps = techniques::steps(settings, inputs);

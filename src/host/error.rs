@@ -54,7 +54,7 @@ pub enum SizeError {
     /// The G-buffer does not fit the device's limits.
     #[error(
         "{width}×{height} at m = {m} needs a G-buffer {}×{}, the device allows {limit} a side; lower m or the size, \
-         or request a greater max_texture_dimension_2d",
+         divide it with resize_banded, or request a greater max_texture_dimension_2d",
         u64::from(*.width) * u64::from(*.m), u64::from(*.height) * u64::from(*.m)
     )]
     TooLarge {
@@ -65,6 +65,20 @@ pub enum SizeError {
         /// The number of samples along one side of a window.
         m: u32,
         /// The device's `max_texture_dimension_2d`.
+        limit: u32,
+    },
+    /// The image has more samples along a side than bands may have together.
+    #[error(
+        "{width}×{height} at m = {m} is more than {limit} samples a side, the most of an image in bands; lower m or the size"
+    )]
+    Samples {
+        /// The width of the output in pixels.
+        width: u32,
+        /// The height of the output in pixels.
+        height: u32,
+        /// The number of samples along one side of a window.
+        m: u32,
+        /// The most samples along one side.
         limit: u32,
     },
     /// No bands of the image fit the limit.
@@ -391,7 +405,7 @@ pub enum RecordError {
         importance: f32,
     },
     /// The ray results exceed the device's limits or memory.
-    #[error("rays at {width}×{height}, m = {m} keep {bytes} bytes: {why}; use a smaller size or m")]
+    #[error("rays at {width}×{height}, m = {m} keep {bytes} bytes: {why}; use a smaller size or m, or resize_banded")]
     Traces {
         /// The width of the node's output.
         width: u32,
@@ -428,7 +442,7 @@ pub enum RecordError {
     )]
     Shifted(Pattern),
     /// The lattices exceed the device's limits or memory.
-    #[error("lattices at {width}×{height} keep {bytes} bytes: {why}; use a smaller size")]
+    #[error("lattices at {width}×{height} keep {bytes} bytes: {why}; use a smaller size, or resize_banded")]
     Lattices {
         /// The width of the node's output.
         width: u32,

@@ -458,8 +458,8 @@ fn bands_that_do_not_fit_are_refused() {
 
     let sized = |rig: &mut Rig, size| rig.aa.resize_banded(&device, size, u64::MAX, &settings, &needs);
     assert!(matches!(sized(&mut rig, (0, 45)), Err(SizeError::Empty { .. })));
-    assert!(matches!(sized(&mut rig, (40_000, 45)), Err(SizeError::TooLarge { limit: 65535, .. })));
-    assert!(matches!(sized(&mut rig, (u32::MAX, u32::MAX)), Err(SizeError::TooLarge { .. })));
+    assert!(matches!(sized(&mut rig, (40_000, 45)), Err(SizeError::Samples { limit: 65535, .. })));
+    assert!(matches!(sized(&mut rig, (u32::MAX, u32::MAX)), Err(SizeError::Samples { .. })));
     assert_eq!(rig.gpu.take_errors(), Vec::<String>::new());
 }
 
