@@ -1,6 +1,6 @@
 //! Frames in bands equal whole frames bit for bit, for every technique; and images in a rectangle of a larger target.
 
-use crate::harness::{Rig, Sample, fill, noise, rgba8};
+use crate::harness::{Rig, SHOW_USER, Sample, fill, noise, rgba8};
 use crate::shadows::host;
 use deferred_aa::glam::Vec3;
 use deferred_aa::rays::RayTier;
@@ -357,11 +357,11 @@ fn busy(x: u32, y: u32) -> Sample {
 }
 
 /// Shows each band in turn in a rig's image.
-fn run(rig: &mut Rig, bands: &[Band], settings: Settings) -> Vec<[f32; 4]> {
+fn run(rig: &mut Rig, bands: &[Band], settings: Settings, sample: impl Fn(u32, u32) -> Sample) -> Vec<[f32; 4]> {
     let m = rig.aa.m();
     for &band in bands {
         let [x0, y0] = [band.raster.x * m, band.raster.y * m];
-        rig.fill(|x, y| busy(x0 + x, y0 + y));
+        rig.fill(|x, y| sample(x0 + x, y0 + y));
         rig.band = Some(band);
         let commands = rig.try_record(settings).expect("a band");
         rig.gpu.queue.submit([commands]);
@@ -383,7 +383,45 @@ fn hosts_see_the_pixels_and_directions_of_the_whole_image() {
         let Err(SizeError::Limit { least, .. }) = least else { panic!("{least:?}") };
         let bands = rig.aa.resize_banded(&device, (61, 45), least, &settings, &Needs::default()).expect("bands");
         assert!(bands.len() > 20, "{}", bands.len());
-        assert_eq!(run(&mut rig, &bands, settings), whole, "m = {m}");
+        assert_eq!(run(&mut rig, &bands, settings, busy), whole, "m = {m}");
+    }
+}
+
+/// Colours about the threshold of refinement, so that each point's choice hangs on its neighbours'.
+#[test]
+fn what_lattices_choose_follows_from_the_apron() {
+    let image = (21, 190);
+    for (m, threshold) in [(1, 0.02), (2, 0.015), (2, 0.025), (2, 0.035)] {
+        let mut rig = Rig::new(m, image.0, image.1, SHOW_USER);
+        let grain = |x: u32, y: u32| 0.2 + noise(x + 4096 * y) * 0.6;
+        let sample = |x, y| Sample { user: rgba8(grain(x, y), 0.5, 0.5, 1.0), ..Default::default() };
+        for pattern in [Pattern::Quad, Pattern::Triangular, Pattern::Equilateral] {
+            if pattern != Pattern::Quad && m == 1 {
+                continue;
+            }
+            let lattice = Lattice { pattern, coarsest: 3 };
+            let plain = MultiResolution::default();
+            let below =
+                MultiResolution { shading: lattice, supersampled: false, veto: false, weighted: false, ..plain };
+            let multi_resolution = MultiResolution { color_threshold: threshold, ..below };
+            let settings = Settings { technique: Technique::MultiResolution, multi_resolution, ..Default::default() };
+            let device = rig.gpu.device.clone();
+            rig.band = None;
+            rig.aa.resize(&device, image.0, image.1).expect("a size");
+            rig.fill(sample);
+            let whole = rig.run(settings);
+            let points = whole.statistics.points;
+            // Some points of each lattice are chosen, and some are not.
+            let [quarter, half] = [points.quarter, points.half].map(f64::from);
+            assert!((100.0..600.0).contains(&quarter) && (300.0..1200.0).contains(&half), "{points:?}");
+            let least = rig.aa.resize_banded(&device, image, 0, &settings, &Needs::default());
+            let Err(SizeError::Limit { least, .. }) = least else { panic!("{least:?}") };
+            let bands = rig.aa.resize_banded(&device, image, least, &settings, &Needs::default()).expect("bands");
+            assert!(bands.len() > 8, "{}", bands.len());
+            let found = run(&mut rig, &bands, settings, sample);
+            let differ = whole.image.iter().zip(&found).filter(|(a, b)| a != b).count();
+            assert_eq!(differ, 0, "m = {m} {pattern:?} {threshold}");
+        }
     }
 }
 
