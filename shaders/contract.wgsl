@@ -34,7 +34,7 @@ struct DaaSample {
     ddx: vec2f,
     /// Gradient of uv along y, likewise.
     ddy: vec2f,
-    /// The output pixel.
+    /// The pixel of the image, whether or not that is rendered in bands.
     pixel: vec2u,
     /// Radiance from reflection and refraction rays, to be added to the result unchanged. 0 where the crate adds it
     /// itself.

@@ -64,6 +64,7 @@ pub use goal::{GoalProgress, GoalState};
 pub use gpu::loans::{Lent, Physical};
 pub use gpu::recording::Recording;
 pub use gpu::step::Pass;
+pub use host::band::{Band, Rect};
 pub use host::check::{InputCounts, InputMistake, InputReport, Normal, NormalCounts};
 pub use host::descriptor::{Descriptor, Shading};
 pub use host::error::{

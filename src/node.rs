@@ -1,6 +1,7 @@
 //! The node that a host creates, resizes and records.
 
 use crate::goal::Controller;
+use crate::gpu::bands::Layout;
 use crate::gpu::binding::{Slot, frame_layout};
 use crate::gpu::buffers::NodeBuffers;
 use crate::gpu::loans::{Lent, Loans};
@@ -9,18 +10,18 @@ use crate::gpu::pipelines::{self, Build, PipelineKind, Pipelines};
 use crate::gpu::readback::collector::{Collector, Recorded};
 use crate::gpu::readback::input_check::InputCheck;
 use crate::gpu::recording::{ReadyPass, ReadyStage, Recording, Run};
-use crate::gpu::resources::{SizedResources, binding_limit, check_size};
+use crate::gpu::resources::{FIXED, SizedResources, Within, binding_limit, check_size};
 use crate::gpu::sizes::{self, Shape, workgroups};
 use crate::gpu::step::{Pass, Step};
 use crate::gpu::uniforms::audited::Audited;
 use crate::gpu::uniforms::casting::{CastSamples, CastingUniform};
 use crate::gpu::uniforms::frame::FrameUniform;
-use crate::gpu::uniforms::lattice::LatticeSteps;
-use crate::gpu::uniforms::ring::FRAMES;
+use crate::gpu::uniforms::lattice::{LatticeStep, LatticeSteps, StepUniform};
+use crate::host::band::{Band, Rect};
 use crate::host::check::{InputMistake, InputReport, encodes};
 use crate::host::descriptor::{Descriptor, Shading};
 use crate::host::error::{BuildError, LendError, RecordError, ShadingError, SizeError, TableError};
-use crate::host::frame::Frame;
+use crate::host::frame::{Camera, Frame};
 use crate::host::gbuffer::{Channels, GBuffer, GBufferTier};
 use crate::host::graph::{Grid, Part, PartInfo, PassInfo, PassKind, Resource, Stage};
 use crate::host::intermediates::Intermediates;
@@ -37,6 +38,9 @@ use crate::techniques::{self, Effort};
 use crate::wgsl::{self, HostSource};
 use crate::window::MAX_M;
 use std::sync::Arc;
+
+/// The most samples along one side of an image that is divided into bands: the coordinates of lattices fit 32 bits.
+const MOST_SAMPLES: u32 = 65535;
 
 /// Adaptive supersampling of a deferred frame: a node for a host's frame graph.
 ///
@@ -61,7 +65,22 @@ pub struct DeferredAa {
     /// Created by the first check.
     check: Option<InputCheck>,
     controller: Controller,
+    /// The last frame that was begun.
+    begun: Option<Begun>,
     frame: u64,
+    /// The number of frames and bands so far, for the slots of their constants.
+    recorded: u64,
+}
+
+/// What all bands of a frame share, and the band that comes next.
+#[derive(Debug)]
+struct Begun {
+    camera: Camera,
+    settings: Settings,
+    exposure: f32,
+    effort: Option<Effort>,
+    audited: Audited,
+    next: u32,
 }
 
 /// What the passes of a frame are recorded from, and what it depends on.
@@ -138,7 +157,9 @@ impl DeferredAa {
             collector: Collector::new(device),
             check: None,
             controller: Controller::default(),
+            begun: None,
             frame: 0,
+            recorded: 0,
         })
     }
 
@@ -168,35 +189,120 @@ impl DeferredAa {
     /// Creates the G-buffer and all other resources for an output of `width` × `height` pixels. Does nothing if the
     /// node already has that size. If it fails, the node keeps its former size and resources.
     pub fn resize(&mut self, device: &wgpu::Device, width: u32, height: u32) -> Result<(), SizeError> {
-        let size = [width, height];
-        if self.resources.as_ref().is_some_and(|resources| resources.size == size) {
+        check_size([width, height], self.build().m, &device.limits())?;
+        self.make(device, Layout { image: [width, height], size: [width, height] })?;
+        if let Some(resources) = &mut self.resources {
+            resources.within = None;
+        }
+        Ok(())
+    }
+
+    /// Divides an output of `width` × `height` pixels into bands, so that all that the node holds for frames with these
+    /// settings and needs takes at most `limit` bytes and nothing exceeds the limits of the device, and creates the
+    /// resources of one band. Returns the bands, a single one if the whole image fits; with a `limit` of `u64::MAX`
+    /// only the device limits them.
+    ///
+    /// For each band in turn the host rasters [`Band::raster`] into the [`gbuffer`](Self::gbuffer), with the projection
+    /// of [`Band::crop`] or the viewport of [`Band::viewport`], and records a frame that has the band as
+    /// [`Frame::band`]. The image equals that of a single frame bit for bit, if the samples do. A frame that has one
+    /// target, and is submitted band by band or as a whole, is complete after its last band; then its statistics are
+    /// read back, too, and the effort of a goal may move.
+    ///
+    /// A call with the same arguments as the last one does nothing; call it before every frame whose settings or needs
+    /// may have changed. Not counted are [`Lent`] memory, the host's own resources and those of a
+    /// [`RayScene`], and what wgpu and the driver add. If it fails, the node keeps its former size and resources.
+    pub fn resize_banded(
+        &mut self,
+        device: &wgpu::Device,
+        (width, height): (u32, u32),
+        limit: u64,
+        settings: &Settings,
+        needs: &Needs<'_>,
+    ) -> Result<Vec<Band>, SizeError> {
+        let (m, image) = (self.build().m, [width, height]);
+        if width == 0 || height == 0 {
+            return Err(SizeError::Empty { width, height });
+        }
+        if image.iter().any(|&side| side.checked_mul(m).is_none_or(|samples| samples > MOST_SAMPLES)) {
+            return Err(SizeError::Samples { width, height, m, limit: MOST_SAMPLES });
+        }
+        let inputs = RayInputs::of(settings, needs);
+        let steps = techniques::steps(settings, inputs);
+        let apron = techniques::of(settings.technique).apron(settings, inputs);
+        let within = Within {
+            limit,
+            apron,
+            shape: self.shape(Layout { image, size: image }, settings, inputs),
+            parts: used_parts(&steps),
+        };
+        if let Some(resources) = self.resources.as_ref().filter(|made| made.within.as_ref() == Some(&within)) {
+            return Ok(resources.layout().bands(apron));
+        }
+        let bytes = |layout: Layout| {
+            let shape = self.shape(layout, settings, inputs);
+            held(&shape, &within.parts) + NodeBuffers::most_bytes() + Collector::most_bytes(steps.len())
+        };
+        let limits = device.limits();
+        let fits = |size: [u32; 2]| {
+            let layout = Layout { image, size };
+            let shape = self.shape(layout, settings, inputs);
+            let largest = within.parts.iter().chain(&FIXED).map(|&part| shape.buffer_bytes(part)).max();
+            size.iter().all(|side| side * m <= limits.max_texture_dimension_2d)
+                && largest.is_none_or(|bytes| bytes <= binding_limit(device))
+                && bytes(layout) <= limit
+        };
+        let Some(layout) = Layout::fit(image, apron, fits) else {
+            let layout = Layout::least(image, apron);
+            return Err(SizeError::Limit { width, height, m, limit, least: bytes(layout) });
+        };
+        let bands = layout.bands(apron);
+        self.make(device, layout)?;
+        if bands.len() > 1 {
+            self.buffers.hold_bands();
+        }
+        if let Some(resources) = &mut self.resources {
+            // Other frames may have needed parts that these do not.
+            resources.keep_only(&within.parts);
+            resources.within = Some(within);
+        }
+        self.prepared = None;
+        Ok(bands)
+    }
+
+    /// Makes the resources of a layout, unless the node has them.
+    fn make(&mut self, device: &wgpu::Device, layout: Layout) -> Result<(), SizeError> {
+        if self.resources.as_ref().is_some_and(|resources| resources.layout() == layout) {
             return Ok(());
         }
         let m = self.build().m;
-        check_size(size, m, &device.limits())?;
         let scope = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
-        let shape = self.shape(size, &Settings::default(), RayInputs::default());
+        let shape = self.shape(layout, &Settings::default(), RayInputs::default());
         let resources = SizedResources::new(device, &shape, Loans::default(), None);
         if let Some(e) = pipelines::ready(scope.pop()) {
-            let bytes = sizes::gbuffer_bytes(size, m, self.build().gbuffer) + sizes::scratch_bytes(size);
+            let tier = self.build().gbuffer;
+            let bytes = sizes::gbuffer_bytes(layout.size, m, tier) + sizes::scratch_bytes(layout.size);
+            let [width, height] = layout.size;
             return Err(SizeError::OutOfMemory { width, height, m, bytes, message: e.to_string() });
         }
         self.prepared = None;
+        self.begun = None;
         self.resources = Some(resources);
         Ok(())
     }
 
-    fn shape(&self, size: [u32; 2], settings: &Settings, inputs: RayInputs) -> Shape {
+    fn shape(&self, layout: Layout, settings: &Settings, inputs: RayInputs) -> Shape {
         let technique = techniques::of(settings.technique);
+        let Layout { image, size } = layout;
         Shape {
             size,
+            image,
             m: self.build().m,
             target_format: self.build().target_format,
             gbuffer: self.build().gbuffer,
             inputs,
             hits: technique.reads_hits(),
             rays: settings.view == DebugView::Rays,
-            lattices: technique.lattices(settings, size, inputs),
+            lattices: technique.lattices(settings, size, image, inputs),
         }
     }
 
@@ -206,7 +312,7 @@ impl DeferredAa {
     pub fn parts(&self, settings: &Settings, needs: &Needs<'_>) -> Vec<PartInfo> {
         let Some(resources) = &self.resources else { return Vec::new() };
         let inputs = RayInputs::of(settings, needs);
-        let shape = self.shape(resources.size, settings, inputs);
+        let shape = self.shape(resources.layout(), settings, inputs);
         let steps = techniques::steps(settings, inputs);
         let passes = || steps.iter().map(|step| step.info(settings, inputs));
         let uses = |resource| passes().any(|pass| pass.reads.contains(resource) || pass.writes.contains(resource));
@@ -235,8 +341,8 @@ impl DeferredAa {
     /// for them is used from then on.
     pub fn lend(&mut self, device: &wgpu::Device, lent: &[Lent<'_>]) -> Result<(), LendError> {
         let resources = self.resources.as_ref().ok_or(LendError::NoSize)?;
-        let size = resources.size;
-        let shape = self.shape(size, &Settings::default(), RayInputs { shadows: true, reflections: true });
+        let shape =
+            self.shape(resources.layout(), &Settings::default(), RayInputs { shadows: true, reflections: true });
         let loans = Loans::new(lent, &shape, binding_limit(device))?;
         let memory = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let binding = device.push_error_scope(wgpu::ErrorFilter::Validation);
@@ -358,7 +464,7 @@ impl DeferredAa {
     /// For several views in a frame, use a node for each, or one node for all: then the host renders the G-buffer anew
     /// between two calls, for a view of another size after a [`resize`](Self::resize). The limits of one node between
     /// two submits are:
-    /// - At most 16 frames may be recorded; the next would overwrite the constants of the first.
+    /// - At most 16 frames may be recorded, or 64 bands of frames; the next would overwrite the constants of the first.
     /// - All of them use [`Needs::textured`], [`Needs::importance`] and [`Needs::reflective`] of the last one.
     /// - All that trace one [`RayScene`](RayScene) use its last [update](RayScene::update),
     ///   and a scene is updated for one camera. Views with rays need a scene each or a submit each.
@@ -387,22 +493,30 @@ impl DeferredAa {
         let settings = &frame.settings;
         settings.validate()?;
         let technique = techniques::of(settings.technique);
-        let (m, size) = (self.build().m, self.resources.as_ref().ok_or(RecordError::NoSize)?.size);
-        technique.check(settings, &frame.needs, size, m)?;
-        self.check_target(frame, size)?;
-        self.collector.poll(&mut self.controller);
-        self.controller.follow(settings, size, technique.has_effort());
-        let (effort, step) = (self.controller.effort(), self.controller.step());
-        let effort = effort.map(|effort| Effort { effort, step });
-        let audited = Audited { step: effort.map_or(0.0, |e| e.step), ..Audited::of(self.frame + 1, size) };
-        let mut uniform = FrameUniform::new(frame, size, audited)?;
+        let (m, layout) = (self.build().m, self.resources.as_ref().ok_or(RecordError::NoSize)?.layout());
+        let inputs = RayInputs::of(settings, &frame.needs);
+        technique.check(settings, &frame.needs, layout.image, m)?;
+        let band = band(frame, layout, technique.apron(settings, inputs))?;
+        let (at, drawn) = self.check_target(frame, &band)?;
+        let begins = band.index == 0;
+        let (effort, audited) = if begins {
+            self.begin_frame(settings, layout.image, technique.has_effort())
+        } else {
+            let begun = self.begun.as_ref().filter(|begun| begun.next > 0);
+            let next = begun.map_or(0, |begun| begun.next);
+            match begun.filter(|_| next == band.index) {
+                None => return Err(RecordError::BandOrder { index: band.index, next }),
+                Some(begun) if !begun.is_of(frame) => return Err(RecordError::BandDiffers(band.index)),
+                Some(begun) => (begun.effort, begun.audited),
+            }
+        };
+        let mut uniform = FrameUniform::new(frame, &band, at, audited)?;
         uniform.set_order(m, &technique.order(settings, m));
         technique.uniform(settings, m, effort, &mut uniform);
-        let inputs = RayInputs::of(settings, &frame.needs);
         self.check_scene(frame, uniform.camera_position.into())?;
         let casting = self.casting(frame, inputs, uniform.camera_position.into())?;
         let steps = techniques::steps(settings, inputs);
-        let shape = self.shape(size, settings, inputs);
+        let shape = self.shape(layout, settings, inputs);
         self.prepare(frame, steps, &shape)?;
         let Self { buffers, resources, prepared, collector, pipelines, .. } = self;
         let resources = resources.as_ref().ok_or(RecordError::NoSize)?;
@@ -415,30 +529,48 @@ impl DeferredAa {
         if casting.is_some() {
             buffers.write_reflective(queue, frame.needs.reflective);
         }
-        self.frame += 1;
-        let slot = self.frame % FRAMES;
+        self.frame += u64::from(begins);
+        self.recorded += 1;
+        let &Frame { camera, settings, exposure, .. } = frame;
+        let next = if band.index + 1 < band.count { band.index + 1 } else { 0 };
+        self.begun = Some(Begun { camera, settings, exposure, effort, audited, next });
+        let slot = self.recorded % buffers.slots();
         buffers.frames.write(queue, slot, 0, &uniform);
+        let step = |lattices: &LatticeSteps, at| lattices.step(at).placed([band.raster.x, band.raster.y], band.image);
         if let Some(lattices) = &shape.lattices {
-            write_lattices(buffers, queue, slot, ready, lattices);
+            write_lattices(buffers, queue, slot, ready, |at| step(lattices, at));
         }
         if let Some(casting) = &casting {
-            write_casting(buffers, queue, slot, ready, casting, &shape);
+            let step = |at| shape.lattices.as_ref().map(|lattices| step(lattices, at));
+            write_casting(buffers, queue, slot, ready, casting, (step, shape.rays));
         }
-        resources.clear(encoder, &shape);
+        resources.clear(encoder, &shape, begins);
         let recorded = (frame.statistics || effort.is_some()).then(|| {
-            collector.reserve(&pipelines.build.device, ready.len());
+            if begins {
+                collector.reserve(&pipelines.build.device, ready.len(), band.count);
+            }
             let audits = |ready: &ReadyPass| ready.pass.info.kind == PassKind::Audit;
             Recorded {
                 frame: self.frame,
                 technique: settings.technique,
-                size,
+                band,
                 m,
                 effort: effort.map(|e| e.effort),
                 audited: ready.iter().any(audits).then_some(audited),
                 passes: ready.iter().map(|ready| (ready.pass.info.name, ready.pass.info.kind)).collect(),
             }
         });
-        Ok(Recording { frame, resources, buffers, collector, slot, passes: ready, recorded })
+        Ok(Recording { frame, drawn, resources, buffers, collector, slot, passes: ready, recorded })
+    }
+
+    /// Reads what has arrived of earlier frames, and returns the effort and the audited tiles of the next one.
+    fn begin_frame(&mut self, settings: &Settings, image: [u32; 2], scales: bool) -> (Option<Effort>, Audited) {
+        self.collector.poll(&mut self.controller);
+        self.controller.follow(settings, image, scales);
+        let (effort, step) = (self.controller.effort(), self.controller.step());
+        let effort = effort.map(|effort| Effort { effort, step });
+        let audited = Audited { step: effort.map_or(0.0, |e| e.step), ..Audited::of(self.frame + 1, image) };
+        (effort, audited)
     }
 
     /// Makes ready what the passes of a frame are recorded from: pipelines, memory and bind groups. Nothing is left to do where the frame
@@ -473,8 +605,8 @@ impl DeferredAa {
                     }
                     (PipelineKind::Compute(pipeline), grid) => {
                         // Every frame of a size audits as many tiles.
-                        let audited = Some(Audited::of(0, shape.size));
-                        let groups = workgroups(grid, shape.size, build.m, pass.info.lattice, audited);
+                        let audited = Some(Audited::of(0, shape.image));
+                        let groups = workgroups(grid, (shape.size, shape.image), build.m, pass.info.lattice, audited);
                         Run::Direct(pipeline, groups.ok_or(RecordError::Unmade(pass.info.name))?)
                     }
                 };
@@ -492,17 +624,23 @@ impl DeferredAa {
         Ok(())
     }
 
-    /// Checks that the image fits the frame's target, and that the frame has the bind groups of the host's WGSL.
-    fn check_target(&self, frame: &Frame<'_>, size: [u32; 2]) -> Result<(), RecordError> {
-        let [width, height] = size;
+    /// Checks that the image fits the frame's target, and that the frame has the bind groups of the host's WGSL. Returns
+    /// the place of the image in the target, and the pixels that the band draws, `None` if these are all.
+    fn check_target(&self, frame: &Frame<'_>, band: &Band) -> Result<([u32; 2], Option<Rect>), RecordError> {
+        let [width, height] = band.image;
         let target = frame.target.texture();
         let (target_width, target_height) = (target.width(), target.height());
+        if let Some(viewport) = frame.viewport
+            && ([viewport.width, viewport.height] != band.image || !viewport.fits([target_width, target_height]))
+        {
+            return Err(RecordError::Viewport { viewport, width, height, target_width, target_height });
+        }
         // The host chooses which mip level its view shows, so any texture with a level of the right size is accepted.
         let mut levels = (0..target.mip_level_count()).map(|level| {
             let size = target.size().mip_level_size(level, target.dimension());
             (size.width, size.height)
         });
-        if !levels.any(|level| level == (width, height)) {
+        if frame.viewport.is_none() && !levels.any(|level| level == (width, height)) {
             return Err(RecordError::TargetSize { target_width, target_height, width, height });
         }
         let node = self.build().target_format;
@@ -521,7 +659,11 @@ impl DeferredAa {
         if self.tables.is_some() && frame.textures.is_none() {
             return Err(RecordError::Textures);
         }
-        Ok(())
+        let image = frame.viewport.unwrap_or(Rect::of(band.image));
+        let Rect { x, y, width, height } = band.output;
+        let drawn = Rect { x: image.x + x, y: image.y + y, width, height };
+        let whole = frame.viewport.map_or(band.image, |_| [target_width, target_height]);
+        Ok(([image.x, image.y], (drawn != Rect::of(whole)).then_some(drawn)))
     }
 
     /// Checks that the frame has what a visibility buffer is read with.
@@ -570,13 +712,16 @@ impl DeferredAa {
         encoder: &mut wgpu::CommandEncoder,
         frame: &Frame<'_>,
     ) -> Result<(), RecordError> {
-        let size = self.resources.as_ref().ok_or(RecordError::NoSize)?.size;
-        let mut uniform = FrameUniform::new(frame, size, Audited::of(self.frame, size))?;
+        let layout = self.resources.as_ref().ok_or(RecordError::NoSize)?.layout();
+        let technique = techniques::of(frame.settings.technique);
+        let apron = technique.apron(&frame.settings, RayInputs::of(&frame.settings, &frame.needs));
+        let band = band(frame, layout, apron)?;
+        let mut uniform = FrameUniform::new(frame, &band, [0; 2], Audited::of(self.frame, band.image))?;
         self.check_scene(frame, uniform.camera_position.into())?;
         let Self { pipelines, buffers, resources, .. } = self;
         let build = &pipelines.build;
         let resources = resources.as_mut().ok_or(RecordError::NoSize)?;
-        uniform.set_order(build.m, &techniques::of(frame.settings.technique).order(&frame.settings, build.m));
+        uniform.set_order(build.m, &technique.order(&frame.settings, build.m));
         let check = self.check.get_or_insert_with(|| InputCheck::new(&build.device));
         check.poll(build.m);
         if !check.is_free() {
@@ -591,9 +736,10 @@ impl DeferredAa {
             mistakes.push(InputMistake::EncodedTwice { target });
         }
         // This slot lies beyond those of the frames.
-        buffers.frames.write(queue, FRAMES, 0, &uniform);
+        let slot = buffers.slots();
+        buffers.frames.write(queue, slot, 0, &uniform);
         let group = resources.frame(build, buffers, RayInputs::default(), RayInputs::default(), frame.needs.rays);
-        check.record(encoder, pipelines, (&group, buffers.frames.offset(FRAMES, 0)), size, mistakes)
+        check.record(encoder, pipelines, (&group, buffers.frames.offset(slot, 0)), resources.size, mistakes)
     }
 
     /// The report of the newest [check](Self::check_input) that has arrived. Never waits; a `submit` or `poll` of the
@@ -611,6 +757,33 @@ impl DeferredAa {
         self.collector.poll(&mut self.controller);
         self.collector.latest()
     }
+}
+
+impl Begun {
+    /// Whether a band belongs to the frame.
+    fn is_of(&self, frame: &Frame<'_>) -> bool {
+        self.camera == frame.camera && self.settings == frame.settings && self.exposure == frame.exposure
+    }
+}
+
+/// The band of a frame, checked; the whole image if the node has no bands.
+fn band(frame: &Frame<'_>, layout: Layout, apron: u32) -> Result<Band, RecordError> {
+    let [width, height] = layout.size;
+    match frame.band {
+        None if layout.size != layout.image => Err(RecordError::NoBand { width, height }),
+        None => {
+            let whole = Rect::of(layout.image);
+            Ok(Band { index: 0, count: 1, image: layout.image, output: whole, raster: whole })
+        }
+        Some(band) if layout.band(apron, band.index) == Some(band) => Ok(band),
+        Some(Band { index, count, .. }) => Err(RecordError::Band { index, count }),
+    }
+}
+
+/// The bytes of what frames of a shape hold, whose passes use these parts.
+fn held(shape: &Shape, parts: &[Part]) -> u64 {
+    let others = Part::ALL.into_iter().filter(|part| FIXED.contains(part) || parts.contains(part));
+    sizes::gbuffer_bytes(shape.size, shape.m, shape.gbuffer) + others.map(|part| shape.bytes(part)).sum::<u64>()
 }
 
 fn passes(settings: &Settings, inputs: RayInputs, steps: Vec<Step>) -> impl Iterator<Item = Pass> + use<> {
@@ -632,9 +805,15 @@ fn used_parts(steps: &[Step]) -> Vec<Part> {
 }
 
 /// Writes the constants of the passes over lattices.
-fn write_lattices(buffers: &NodeBuffers, queue: &wgpu::Queue, slot: u64, ready: &[ReadyPass], lattices: &LatticeSteps) {
+fn write_lattices(
+    buffers: &NodeBuffers,
+    queue: &wgpu::Queue,
+    slot: u64,
+    ready: &[ReadyPass],
+    step: impl Fn(LatticeStep) -> StepUniform,
+) {
     for at in ready.iter().filter_map(|ready| ready.pass.step.lattice) {
-        buffers.steps().write(queue, slot, at.index(), lattices.step(at));
+        buffers.steps().write(queue, slot, at.index(), &step(at));
     }
 }
 
@@ -645,13 +824,13 @@ fn write_casting(
     slot: u64,
     ready: &[ReadyPass],
     casting: &CastingUniform,
-    shape: &Shape,
+    (step, keeps): (impl Fn(LatticeStep) -> Option<StepUniform>, bool),
 ) {
     for pass in ready {
         let Some(samples) = pass.pass.step.samples else { continue };
-        let step = samples.step().zip(shape.lattices.as_ref()).map(|(at, lattices)| *lattices.step(at));
+        let step = samples.step().and_then(&step);
         // The debug view of rays shows those of the image, without the audit's.
-        let keeps = u32::from(shape.rays && samples != CastSamples::Audited);
+        let keeps = u32::from(keeps && samples != CastSamples::Audited);
         let uniform = CastingUniform { samples: samples.code(), keeps, step: step.unwrap_or_default(), ..*casting };
         buffers.casting().write(queue, slot, samples.index(), &uniform);
     }

@@ -7,7 +7,7 @@ const DAA_TRIANGULAR: u32 = 1u;
 const DAA_EQUILATERAL: u32 = 2u;
 
 /// The height of an equilateral triangle of side 1, in 65536ths.
-const DAA_EQUILATERAL_ROW: i32 = 56756;
+const DAA_EQUILATERAL_ROW: u32 = 56756u;
 
 struct DaaLattice {
     /// DAA_QUAD, DAA_TRIANGULAR or DAA_EQUILATERAL.
@@ -22,7 +22,8 @@ struct DaaLattice {
     first: u32,
     /// Position among the lattices: `Level` of src/gpu/uniforms/lattice.rs.
     place: u32,
-    padding: vec2u,
+    /// Column and row of its first point in the lattice of the whole image.
+    origin: vec2u,
 }
 
 /// The step from one lattice to the next finer one.
@@ -90,21 +91,23 @@ fn daa_kept_point(word: u32, point: DaaPoint) -> vec4u {
 }
 
 fn daa_is_shifted(l: DaaLattice, row: i32) -> bool {
-    return l.kind != DAA_QUAD && (row & 1) != 0;
+    return l.kind != DAA_QUAD && ((row + i32(l.origin.y)) & 1) != 0;
 }
 
 /// The sample of a point. Beyond the image it is the one at the same position of the border's window.
 fn daa_point(l: DaaLattice, at: vec2i) -> DaaPoint {
-    let pitch = i32(DAA_M << l.level);
-    var place = at * pitch;
+    let m = i32(DAA_M);
+    let pitch = m << l.level;
+    var place = (at + vec2i(l.origin)) * pitch;
     place.x += select(0, pitch / 2, daa_is_shifted(l, at.y));
     if l.kind == DAA_EQUILATERAL {
-        place.y = (place.y * DAA_EQUILATERAL_ROW + 32768) >> 16u;
+        place.y = i32((u32(place.y) * DAA_EQUILATERAL_ROW + 32768u) >> 16u);
     }
-    place += vec2i(daa_order(0u));
-    let m = i32(DAA_M);
-    let pixel = vec2u(place / m);
-    return DaaPoint(min(pixel, daa_frame.size - 1u), daa_rank_at(vec2u(place % m)), all(pixel < daa_frame.size));
+    // Rows of equilateral triangles may begin before this part of the image.
+    place += vec2i(daa_order(0u)) - vec2i(daa_frame.origin) * m;
+    let pixel = vec2u(max(place, vec2i(0)) / m);
+    let inside = place.y >= 0 && all(pixel < daa_frame.size);
+    return DaaPoint(min(pixel, daa_frame.size - 1u), daa_rank_at(vec2u(max(place, vec2i(0)) % m)), inside);
 }
 
 fn daa_on_lattice(l: DaaLattice, at: vec2i) -> vec2i {
@@ -123,12 +126,15 @@ struct DaaParents {
 
 fn daa_parents(step: DaaStep, at: vec2i) -> DaaParents {
     let shift = select(0.0, 0.5, daa_is_shifted(step.points, at.y));
-    let x = (f32(at.x) + shift) * step.scale.x;
-    let y = f32(at.y) * step.scale.y;
-    let row = i32(floor(y));
+    // In coordinates of the whole image, so that weights round the same in each of its parts.
+    let of_image = at + vec2i(step.points.origin);
+    let x = (f32(of_image.x) + shift) * step.scale.x;
+    let y = f32(of_image.y) * step.scale.y;
+    let first = vec2i(step.parents.origin);
+    let row = i32(floor(y)) - first.y;
     let fy = y - floor(y);
     if step.parents.kind == DAA_QUAD {
-        let column = i32(floor(x));
+        let column = i32(floor(x)) - first.x;
         let fx = x - floor(x);
         let corner = vec2i(column, row);
         return DaaParents(
@@ -139,7 +145,7 @@ fn daa_parents(step: DaaStep, at: vec2i) -> DaaParents {
     // Shears the lattice so that its triangles become halves of squares.
     let shifted = daa_is_shifted(step.parents, row);
     let a = x - select(0.0, 0.5, shifted) - 0.5 * fy;
-    let column = i32(floor(a));
+    let column = i32(floor(a)) - first.x;
     let fa = a - floor(a);
     let lower = vec2i(column, row);
     let upper = vec2i(column + select(0, 1, shifted), row + 1);
@@ -166,6 +172,6 @@ fn daa_opposing(l: DaaLattice, row: i32, i: i32) -> vec4i {
     if l.kind == DAA_QUAD {
         return select(select(vec4i(-1, 1, 1, -1), vec4i(-1, -1, 1, 1), i == 2), vec4i(0, -1, 0, 1), i == 1);
     }
-    let right = row & 1;
+    let right = (row + i32(l.origin.y)) & 1;
     return select(vec4i(right, -1, right - 1, 1), vec4i(right - 1, -1, right, 1), i == 1);
 }

@@ -44,7 +44,7 @@ fn daa_lattice_to_pixels_main(@builtin(workgroup_id) tile: vec3u, @builtin(local
     let supersampled = daa_flag(DAA_FLAG_SUPERSAMPLED);
     let pixel = daa_tile_pixel(tile.xy, lane);
     var count = 0u;
-    if all(pixel < daa_frame.size) {
+    if daa_is_counted(pixel) {
         let at = vec2i(pixel);
         let index = daa_point_index(l, at);
         textureStore(daa_first, pixel, daa_lattice_colors[index]);

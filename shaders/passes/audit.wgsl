@@ -64,10 +64,11 @@ fn daa_audit_main(
     @builtin(local_invocation_index) lane: u32,
 ) {
     let tile = daa_audited_tile(group.xy);
-    let pixel = daa_tile_pixel(tile, lane);
+    let of_part = daa_tile_of_image(tile);
+    let pixel = daa_tile_pixel(of_part, lane);
     var errors = vec2f(0.0);
-    if all(pixel < daa_frame.size) {
-        let slot = daa_tile_index(tile.xy) * 64u + lane;
+    if daa_is_shown(pixel) {
+        let slot = daa_tile_index(of_part) * 64u + lane;
         errors = daa_squared_errors(pixel, daa_plan_k(daa_plan[slot]), daa_k_below(daa_counts[slot]));
     }
     daa_errors[lane] = errors;
@@ -77,6 +78,10 @@ fn daa_audit_main(
         for (var i = 0u; i < 64u; i++) {
             sum += daa_errors[i];
         }
-        daa_audits[group.y * groups.x + group.x] = select(vec2f(-1.0), sum, tile.x < daa_frame.tiles_x);
+        // Each part of the image writes the tiles that it shows, and what lies beyond the end of their rows.
+        let exists = tile.x * 8u < daa_frame.image.x;
+        if daa_is_shown(select(vec2u(daa_frame.shown.x, pixel.y), pixel, exists)) {
+            daa_audits[tile.y * groups.x + group.x] = select(vec2f(-1.0), sum, exists);
+        }
     }
 }

@@ -177,7 +177,7 @@ fn daa_metrics_main(
     @builtin(local_invocation_index) lane: u32,
 ) {
     let slot = daa_tile_index(tile.xy) * 64u + lane;
-    if any(id.xy >= daa_frame.size) {
+    if !daa_is_counted(id.xy) {
         daa_counts[slot] = 0u;
         return;
     }

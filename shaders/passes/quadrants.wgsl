@@ -88,7 +88,7 @@ fn daa_quadrants_between(
     @builtin(local_invocation_index) lane: u32,
 ) {
     let slot = daa_tile_index(tile.xy) * 64u + lane;
-    if any(id.xy >= daa_frame.size) || daa_plan_k(daa_plan[slot]) > 1u {
+    if !daa_is_shown(id.xy) || daa_plan_k(daa_plan[slot]) > 1u {
         return;
     }
     let chosen = daa_chosen(slot);

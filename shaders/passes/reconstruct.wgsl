@@ -91,7 +91,7 @@ fn daa_reconstruct_main(@builtin(workgroup_id) tile: vec3u, @builtin(local_invoc
     workgroupBarrier();
 
     let pixel = daa_tile_pixel(tile.xy, lane);
-    let inside = all(pixel < daa_frame.size);
+    let inside = daa_is_shown(pixel);
     let n = DAA_M * DAA_M;
     let own_first = daa_flag(DAA_FLAG_OWN_FIRST);
     let own_color = textureLoad(daa_first, min(pixel, daa_frame.size - 1u), 0);

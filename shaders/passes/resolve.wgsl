@@ -17,19 +17,19 @@ fn daa_in_range(c: vec4f) -> vec4f {
 /// For frames whose image is S.
 @fragment
 fn daa_resolve_first(@builtin(position) position: vec4f) -> @location(0) vec4f {
-    return daa_in_range(textureLoad(daa_first, vec2u(position.xy), 0));
+    return daa_in_range(textureLoad(daa_first, daa_target_pixel(position), 0));
 }
 
 /// For frames in which every pixel has a mean.
 @fragment
 fn daa_resolve_color(@builtin(position) position: vec4f) -> @location(0) vec4f {
-    return daa_in_range(textureLoad(daa_color, vec2u(position.xy), 0));
+    return daa_in_range(textureLoad(daa_color, daa_target_pixel(position), 0));
 }
 
 /// For frames with a plan: windows with k > 1 have a mean, the others their first sample.
 @fragment
 fn daa_resolve_by_plan(@builtin(position) position: vec4f) -> @location(0) vec4f {
-    let pixel = vec2u(position.xy);
+    let pixel = daa_target_pixel(position);
     if daa_plan_k(daa_plan[daa_slot(pixel)]) > 1u {
         return daa_in_range(textureLoad(daa_color, pixel, 0));
     }
@@ -40,6 +40,6 @@ fn daa_resolve_by_plan(@builtin(position) position: vec4f) -> @location(0) vec4f
 /// image.
 @fragment
 fn daa_resolve_lattice(@builtin(position) position: vec4f) -> @location(0) vec4f {
-    let pixel = vec2u(position.xy);
+    let pixel = daa_target_pixel(position);
     return daa_in_range(daa_lattice_colors[pixel.y * (daa_frame.size.x + 1u) + pixel.x]);
 }

@@ -240,7 +240,7 @@ fn daa_select_main(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocation
 
     let pixel = daa_tile_pixel(tile.xy, lane);
     var word = 0u;
-    if all(pixel < daa_frame.size) {
+    if daa_is_shown(pixel) {
         let own = (lane / 8u + 1u) * 10u + lane % 8u + 1u;
         let color = daa_near[own].color;
         var upper_left = DaaCorner(color, color, daa_textures(own));

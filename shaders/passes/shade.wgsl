@@ -16,7 +16,7 @@ fn daa_store(pixel: vec2u, others: DaaMean) {
 /// `Full`: shades every sample.
 @compute @workgroup_size(8, 8)
 fn daa_shade_full(@builtin(global_invocation_id) id: vec3u) {
-    if any(id.xy >= daa_frame.size) {
+    if !daa_is_shown(id.xy) {
         return;
     }
     var mean = DaaMean();

@@ -84,7 +84,7 @@ fn daa_rays_sent(pixel: vec2u) -> u32 {
 /// The channels of the G-buffer.
 @fragment
 fn daa_view_gbuffer(@builtin(position) position: vec4f) -> @location(0) vec4f {
-    let pixel = vec2u(position.xy);
+    let pixel = daa_target_pixel(position);
     let s = daa_fetch(pixel, 0u, 1.0, vec2f(0.0));
     let d = daa_depth_at(pixel * DAA_M + daa_order(0u));
     var c = vec3f(0.0);
@@ -109,14 +109,14 @@ fn daa_view_gbuffer(@builtin(position) position: vec4f) -> @location(0) vec4f {
 /// Surfaces: their number in the window, on a logarithmic scale.
 @fragment
 fn daa_view_surfaces(@builtin(position) position: vec4f) -> @location(0) vec4f {
-    let surfaces = daa_surfaces(vec2u(position.xy));
+    let surfaces = daa_surfaces(daa_target_pixel(position));
     return vec4f(daa_heat(log2(f32(surfaces)) / max(log2(f32(DAA_M * DAA_M)), 1.0)), 1.0);
 }
 
 /// First: S, as a display would show it without its curve.
 @fragment
 fn daa_view_first(@builtin(position) position: vec4f) -> @location(0) vec4f {
-    let first = textureLoad(daa_first, vec2u(position.xy), 0).rgb * daa_frame.exposure;
+    let first = textureLoad(daa_first, daa_target_pixel(position), 0).rgb * daa_frame.exposure;
     return vec4f(first / (1.0 + first), 1.0);
 }
 
@@ -168,7 +168,7 @@ fn daa_metric_of_attribute(by: u32) -> u32 {
 
 @fragment
 fn daa_view_plan(@builtin(position) position: vec4f) -> @location(0) vec4f {
-    return daa_view_of_plan(daa_plan[daa_slot(vec2u(position.xy))]);
+    return daa_view_of_plan(daa_plan[daa_slot(daa_target_pixel(position))]);
 }
 
 /// For frames without a plan, in which every window has the same k: n, or 1.
@@ -180,7 +180,7 @@ fn daa_view_unplanned(@builtin(position) position: vec4f) -> @location(0) vec4f 
 /// Tiles: black nothing, blue a surface, yellow one that sends rays.
 @fragment
 fn daa_view_tiles(@builtin(position) position: vec4f) -> @location(0) vec4f {
-    let classes = daa_tile_classes(vec2u(position.xy));
+    let classes = daa_tile_classes(daa_target_pixel(position));
     let c = select(vec3f(0.0, 0.0, 1.0), vec3f(1.0, 1.0, 0.0), (classes & 2u) != 0u);
     return vec4f(select(vec3f(0.0), c, classes != 0u), 1.0);
 }
@@ -188,7 +188,7 @@ fn daa_view_tiles(@builtin(position) position: vec4f) -> @location(0) vec4f {
 /// Shadows: red, green and blue lights in turn.
 @fragment
 fn daa_view_shadows(@builtin(position) position: vec4f) -> @location(0) vec4f {
-    let pixel = vec2u(position.xy);
+    let pixel = daa_target_pixel(position);
     let sky = daa_depth_at(pixel * DAA_M + daa_order(0u)) <= DAA_SKY_DEPTH;
     return vec4f(select(daa_reached(daa_shadows[daa_sample_index(pixel, 0u)]), vec3f(0.0), sky), 1.0);
 }
@@ -197,7 +197,7 @@ fn daa_view_shadows(@builtin(position) position: vec4f) -> @location(0) vec4f {
 @fragment
 fn daa_view_rays(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let most = DAA_M * DAA_M * (daa_frame.casting + 2u);
-    return vec4f(daa_heat(log2(f32(1u + daa_rays_sent(vec2u(position.xy)))) / log2(f32(1u + most))), 1.0);
+    return vec4f(daa_heat(log2(f32(1u + daa_rays_sent(daa_target_pixel(position)))) / log2(f32(1u + most))), 1.0);
 }
 
 /// For views of rays in frames that trace none: black.

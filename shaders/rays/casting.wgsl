@@ -95,7 +95,7 @@ fn daa_ranks(group: vec2u, lane: u32, kind: u32) -> DaaRanks {
     }
     var tile = group;
     if daa_casting.samples == DAA_SAMPLES_AUDITED {
-        tile = daa_audited_tile(group);
+        tile = daa_tile_of_image(daa_audited_tile(group));
     } else {
         let place = group.y * daa_tile_lists[kind * 4u + 1u] + group.x;
         if place >= daa_tile_lists[kind * 4u] {
@@ -105,7 +105,9 @@ fn daa_ranks(group: vec2u, lane: u32, kind: u32) -> DaaRanks {
         tile = vec2u(listed % daa_frame.tiles_x, listed / daa_frame.tiles_x);
     }
     let pixel = daa_tile_pixel(tile, lane);
-    if any(pixel >= daa_frame.size) {
+    // Neighbours read the first samples of pixels that are not shown.
+    let first_alone = daa_casting.samples == DAA_SAMPLES_FIRST;
+    if any(pixel >= daa_frame.size) || (!first_alone && !daa_is_shown(pixel)) {
         return DaaRanks(pixel, 0u, 0u, 0u);
     }
     let n = DAA_M * DAA_M;

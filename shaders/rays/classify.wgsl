@@ -64,6 +64,6 @@ fn daa_classify_finish() {
         daa_tile_lists.classes[kind].groups_x = x;
         daa_tile_lists.classes[kind].groups_y = (count + max(x, 1u) - 1u) / max(x, 1u);
         daa_tile_lists.classes[kind].groups_z = 1u;
-        atomicStore(&daa_statistics.tiles[kind], count);
+        atomicAdd(&daa_statistics.tiles[kind], count);
     }
 }

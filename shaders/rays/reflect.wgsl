@@ -71,7 +71,7 @@ fn daa_met(pixel: vec2u, rank: u32, ray: DaaRay, hit: DaaHit, cone: DaaCone) -> 
     let p = ray.origin + ray.direction * hit.t;
 
     var s: DaaSample;
-    s.pixel = pixel;
+    s.pixel = pixel + daa_frame.origin;
     s.rank = rank;
     s.relative_position = p;
     s.position = p + daa_frame.camera_position;
@@ -97,7 +97,7 @@ fn daa_met(pixel: vec2u, rank: u32, ray: DaaRay, hit: DaaHit, cone: DaaCone) -> 
 
 fn daa_sky_towards(pixel: vec2u, rank: u32, direction: vec3f) -> vec3f {
     var s: DaaSample;
-    s.pixel = pixel;
+    s.pixel = pixel + daa_frame.origin;
     s.rank = rank;
     s.view = -direction;
     s.relative_position = direction;

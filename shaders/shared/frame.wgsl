@@ -82,9 +82,10 @@ struct DaaFrame {
     camera_forward: vec3f,
     /// 1 if all view directions are parallel, otherwise 0.
     orthographic: u32,
-    /// Size of the output in pixels.
+    /// Size in pixels of the G-buffer's part of the image: of the whole image, or of a band with its apron. Pixels are
+    /// counted from this part's first one, except where they are said to be of the image or the target.
     size: vec2u,
-    /// Number of tiles of 8 × 8 pixels along x.
+    /// Number of tiles of 8 × 8 pixels along x, in that part.
     tiles_x: u32,
     /// Set of DAA_FLAG_* bits.
     flags: u32,
@@ -98,8 +99,16 @@ struct DaaFrame {
     casting: u32,
     /// The debug view: `DebugView as u32`.
     view: u32,
-    padding: u32,
-    padding_too: vec2u,
+    /// Number of pixels around `shown` in which k is also computed, for neighbours.
+    around: u32,
+    /// The pixel of the image at which the part begins, a multiple of 8.
+    origin: vec2u,
+    /// Size of the image in pixels.
+    image: vec2u,
+    /// The pixel of the target at which the part would begin.
+    target_origin: vec2u,
+    /// The pixels that are written to the target: their first one, and the one after the last.
+    shown: vec4u,
     windowed: DaaWindowed,
     audit: DaaAudit,
     reconstruct: DaaReconstruct,
@@ -143,6 +152,22 @@ const DAA_FLAG_REFLECTS: u32 = 0x4000000u;
 
 fn daa_flag(bits: u32) -> bool {
     return (daa_frame.flags & bits) != 0u;
+}
+
+/// Whether a pixel is written to the target. Others are only there for their neighbours.
+fn daa_is_shown(pixel: vec2u) -> bool {
+    return all(pixel >= daa_frame.shown.xy) && all(pixel < daa_frame.shown.zw);
+}
+
+/// Whether k of a pixel is computed.
+fn daa_is_counted(pixel: vec2u) -> bool {
+    let near = all(pixel + daa_frame.around >= daa_frame.shown.xy) && all(pixel < daa_frame.shown.zw + daa_frame.around);
+    return near && all(pixel < daa_frame.size);
+}
+
+/// The pixel at a position in the target.
+fn daa_target_pixel(position: vec4f) -> vec2u {
+    return vec2u(position.xy) - daa_frame.target_origin;
 }
 
 /// The number of tiles in the frame.

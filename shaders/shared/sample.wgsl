@@ -35,12 +35,19 @@ fn daa_sample_index(pixel: vec2u, rank: u32) -> u32 {
     return rank * daa_tile_count() * 64u + daa_slot(pixel);
 }
 
-/// The audited tile of a workgroup. Each row is shifted by 11 against the last, so that no column is left out for long.
-/// x may lie beyond the end of the row.
+/// The tile of the image that a workgroup may audit: it is audited if its first pixel is shown. Each row is shifted by
+/// 11 against the last, so that no column is left out for long. x may lie beyond the end of the row.
 fn daa_audited_tile(group: vec2u) -> vec2u {
     let period = daa_frame.audit.period;
-    let phase = (daa_frame.audit.phase + 11u * (period - group.y % period)) % period;
-    return vec2u(group.x * period + phase, group.y);
+    let row = group.y + daa_frame.origin.y / 8u;
+    let phase = (daa_frame.audit.phase + 11u * (period - row % period)) % period;
+    return vec2u(group.x * period + phase, row);
+}
+
+/// A tile of the image as a tile of the G-buffer's part. Those before the part get indices so large that their pixels
+/// are not shown.
+fn daa_tile_of_image(tile: vec2u) -> vec2u {
+    return tile - daa_frame.origin / 8u;
 }
 
 /// The position of a rank in its window.
@@ -62,12 +69,14 @@ fn daa_rank_at(place: vec2u) -> u32 {
 
 /// Normalised device coordinates of the G-buffer coordinates `xy` (in samples, y down).
 fn daa_ndc(xy: vec2f) -> vec2f {
-    return xy / vec2f(daa_frame.size * DAA_M) * vec2f(2.0, -2.0) + vec2f(-1.0, 1.0);
+    // Both are multiples of a half, so the sum is exact, and the same for every part of the image.
+    let of_image = xy + vec2f(daa_frame.origin * DAA_M);
+    return of_image / vec2f(daa_frame.image * DAA_M) * vec2f(2.0, -2.0) + vec2f(-1.0, 1.0);
 }
 
 /// The step of normalised device coordinates from a sample to the next.
 fn daa_sample_ndc() -> vec2f {
-    return vec2f(2.0, -2.0) / vec2f(daa_frame.size * DAA_M);
+    return vec2f(2.0, -2.0) / vec2f(daa_frame.image * DAA_M);
 }
 
 /// The position, relative to the camera, of the point at the G-buffer coordinates `xy` (in samples, y down) and depth
@@ -86,7 +95,7 @@ fn daa_fetch(pixel: vec2u, rank: u32, footprint: f32, offset: vec2f) -> DaaSampl
     let valid = d > DAA_SKY_DEPTH;
 
     var s: DaaSample;
-    s.pixel = pixel;
+    s.pixel = pixel + daa_frame.origin;
     s.rank = rank;
     let relative = a.relative_position;
     let towards = select(-relative, -daa_frame.camera_forward, daa_frame.orthographic != 0u);

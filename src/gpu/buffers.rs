@@ -6,7 +6,7 @@ use crate::gpu::uniforms::audited;
 use crate::gpu::uniforms::casting::{CastSamples, CastingUniform};
 use crate::gpu::uniforms::frame::FrameUniform;
 use crate::gpu::uniforms::lattice::{LatticeStep, StepUniform};
-use crate::gpu::uniforms::ring::Ring;
+use crate::gpu::uniforms::ring::{BANDS, FRAMES, Ring};
 use crate::host::error::RecordError;
 use crate::host::needs::{Needs, ObjectImportance};
 use crate::host::statistics::COUNTER_BYTES;
@@ -19,10 +19,15 @@ const MARKS_BYTES: u64 = NAMES as u64 / 8 + NAMES as u64;
 /// The bytes of `daa_reflective` of reflect.wgsl: a bit for each material.
 const REFLECTIVE_BYTES: u64 = NAMES as u64 / 8;
 
+/// The bytes of a placeholder.
+const NOTHING_BYTES: u64 = 256;
+
 /// The buffers of a node.
 #[derive(Debug)]
 pub(crate) struct NodeBuffers {
     device: wgpu::Device,
+    /// The number of slots that frames and bands use in turn. The input check has one more.
+    slots: u64,
     pub frames: Ring<FrameUniform>,
     steps: OnceLock<Ring<StepUniform>>,
     casting: OnceLock<Ring<CastingUniform>>,
@@ -40,8 +45,8 @@ impl NodeBuffers {
     pub fn new(device: &wgpu::Device) -> Self {
         Self {
             device: device.clone(),
-            // The additional slot belongs to the input check.
-            frames: Ring::new(device, "daa frame", 1, 1),
+            slots: FRAMES,
+            frames: Ring::new(device, "daa frame", 1, FRAMES + 1),
             steps: OnceLock::new(),
             casting: OnceLock::new(),
             marks: OnceLock::new(),
@@ -54,14 +59,36 @@ impl NodeBuffers {
         }
     }
 
+    /// The number of slots that frames and bands use in turn. The slot after them belongs to the input check.
+    pub fn slots(&self) -> u64 {
+        self.slots
+    }
+
+    /// Gives the rings room for bands. Groups that bind them may be of no more use.
+    pub fn hold_bands(&mut self) {
+        if self.slots < BANDS {
+            self.slots = BANDS;
+            self.frames = Ring::new(&self.device, "daa frame", 1, self.slots + 1);
+            (self.steps, self.casting) = Default::default();
+        }
+    }
+
+    /// The most bytes of all these buffers, for frames in bands.
+    pub fn most_bytes() -> u64 {
+        let steps = Ring::<StepUniform>::bytes(LatticeStep::COUNT, BANDS);
+        let casting = Ring::<CastingUniform>::bytes(CastSamples::COUNT, BANDS);
+        let rings = Ring::<FrameUniform>::bytes(1, BANDS + 1) + steps + casting;
+        rings + MARKS_BYTES + REFLECTIVE_BYTES + audited::BYTES + COUNTER_BYTES + 2 * NOTHING_BYTES
+    }
+
     /// The values of `DaaStep`, one for each frame and each [`LatticeStep`](crate::gpu::lattice::LatticeStep).
     pub fn steps(&self) -> &Ring<StepUniform> {
-        self.steps.get_or_init(|| Ring::new(&self.device, "daa steps", LatticeStep::COUNT, 0))
+        self.steps.get_or_init(|| Ring::new(&self.device, "daa steps", LatticeStep::COUNT, self.slots))
     }
 
     /// The values of `DaaCasting`, one for each frame and each [`CastSamples`].
     pub fn casting(&self) -> &Ring<CastingUniform> {
-        self.casting.get_or_init(|| Ring::new(&self.device, "daa casting", CastSamples::COUNT, 0))
+        self.casting.get_or_init(|| Ring::new(&self.device, "daa casting", CastSamples::COUNT, self.slots))
     }
 
     /// The squared errors of each audited tile: at the frame's effort, and a step below it.
@@ -89,7 +116,8 @@ impl NodeBuffers {
     /// A placeholder for a binding that a pass does not use.
     pub fn nothing(&self, access: Access) -> &wgpu::Buffer {
         let made = || {
-            ["daa nothing", "daa nothing written"].map(|label| self.storage(label, 256, wgpu::BufferUsages::empty()))
+            ["daa nothing", "daa nothing written"]
+                .map(|label| self.storage(label, NOTHING_BYTES, wgpu::BufferUsages::empty()))
         };
         &self.nothing.get_or_init(made)[usize::from(access != Access::Read)]
     }

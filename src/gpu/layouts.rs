@@ -263,7 +263,11 @@ fn every_module_is_sound_and_has_the_frame() {
         tile_limit,
         casting,
         view,
-        padding,
+        around,
+        origin,
+        image,
+        target_origin,
+        shown,
         windowed,
         audit,
         reconstruct,
@@ -379,7 +383,7 @@ fn counters_are_the_shaders() {
 fn casting_is_the_shaders() {
     let light = rust_layout!(LightUniform { position, punctual, direction, cone, range, padding });
     let casting = rust_layout!(CastingUniform { count, samples, keeps, padding, step, lights });
-    let lattice = rust_layout!(LatticeUniform { kind, level, width, height, first, place, padding });
+    let lattice = rust_layout!(LatticeUniform { kind, level, width, height, first, place, origin });
     let step = rust_layout!(StepUniform { points, parents, scale, coarsest, rays, found, padding });
     let codes = [
         ("FIRST", CastSamples::First),

@@ -1,5 +1,6 @@
 //! The GPU side of frames, independent of what the passes are: pipelines, memory and uniforms.
 
+pub(crate) mod bands;
 pub(crate) mod binding;
 pub(crate) mod buffers;
 #[cfg(test)]

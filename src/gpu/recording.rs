@@ -6,6 +6,7 @@ use crate::gpu::readback::collector::{Collector, Recorded};
 use crate::gpu::resources::SizedResources;
 use crate::gpu::sizes::WORK_BYTES;
 use crate::gpu::step::Pass;
+use crate::host::band::Rect;
 use crate::host::error::RecordError;
 use crate::host::frame::Frame;
 use crate::host::graph::{Part, Rounds, Stage};
@@ -14,6 +15,8 @@ use crate::host::graph::{Part, Rounds, Stage};
 #[derive(Debug)]
 pub struct Recording<'a> {
     pub(crate) frame: &'a Frame<'a>,
+    /// The pixels of the target that are drawn, `None` for all of it.
+    pub(crate) drawn: Option<Rect>,
     pub(crate) resources: &'a SizedResources,
     pub(crate) buffers: &'a NodeBuffers,
     pub(crate) collector: &'a mut Collector,
@@ -157,7 +160,8 @@ impl Recording<'_> {
                 depth_slice: None,
                 resolve_target: None,
                 ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                    // What lies around the image, or belongs to other bands, is kept.
+                    load: self.drawn.map_or(wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), |_| wgpu::LoadOp::Load),
                     store: wgpu::StoreOp::Store,
                 },
             })],
@@ -170,6 +174,9 @@ impl Recording<'_> {
             occlusion_query_set: None,
             multiview_mask: None,
         });
+        if let Some(Rect { x, y, width, height }) = self.drawn {
+            render.set_scissor_rect(x, y, width, height);
+        }
         for ready in &own.stages {
             if let Run::Draw(pipeline) = &ready.run {
                 render.set_pipeline(pipeline);
@@ -180,7 +187,7 @@ impl Recording<'_> {
         }
     }
 
-    /// Ends the frame. If [`Frame::statistics`] is set, `encoder` receives the copies of its counters.
+    /// Ends the frame, or the band. If [`Frame::statistics`] is set, `encoder` receives the copies of its counters.
     pub fn finish(self, queue: &wgpu::Queue, encoder: &mut wgpu::CommandEncoder) {
         if let (Some(recorded), Some(counters)) = (self.recorded, self.resources.buffer(Part::Counters)) {
             let audits = recorded.audited.is_some().then(|| self.buffers.audits());

@@ -1,5 +1,6 @@
 //! The resources that depend on the size: the memory of the parts, the node's own or lent, and the groups that bind it.
 
+use crate::gpu::bands::Layout;
 use crate::gpu::binding::{Access, Binding, PassData, Slot};
 use crate::gpu::buffers::NodeBuffers;
 use crate::gpu::loans::Loans;
@@ -10,7 +11,7 @@ use crate::host::gbuffer::{DEPTH_FORMAT, GBuffer, GBufferTier};
 use crate::host::graph::{Part, PartKind, Resource, Stage};
 use crate::host::needs::RayInputs;
 use crate::rays::RayScene;
-use crate::settings::Execution;
+use crate::settings::{Execution, Pattern};
 use std::collections::HashMap;
 
 /// The memory of a part.
@@ -38,7 +39,7 @@ impl Memory {
 
 /// The parts, besides the G-buffer, that are created with the size. The others are created when a frame first needs
 /// them.
-const FIXED: [Part; 5] = [Part::First, Part::Color, Part::WindowCounts, Part::Plan, Part::Counters];
+pub(crate) const FIXED: [Part; 5] = [Part::First, Part::Color, Part::WindowCounts, Part::Plan, Part::Counters];
 
 /// A stage of a pass, by the addresses of both declarations.
 type StageKey = (usize, usize);
@@ -49,11 +50,25 @@ fn stage_key(pass: &'static PassData, stage: &'static Stage) -> StageKey {
     (std::ptr::from_ref(pass).addr(), own)
 }
 
+/// The limit and the frames that bands were made for.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Within {
+    pub limit: u64,
+    pub apron: u32,
+    /// The shape of an unbanded frame, and its parts.
+    pub shape: Shape,
+    pub parts: Vec<Part>,
+}
+
 /// The resources of one size.
 #[derive(Debug)]
 pub(crate) struct SizedResources {
+    /// The size of the image, or of its bands with their aprons.
     pub size: [u32; 2],
+    pub image: [u32; 2],
     pub m: u32,
+    /// What the bands were made for, if they were made within a limit.
+    pub within: Option<Within>,
     pub gbuffer: GBuffer,
     pub loans: Loans,
     parts: HashMap<Part, Memory>,
@@ -102,7 +117,24 @@ impl SizedResources {
             }
         }
         let (groups, frames) = (HashMap::new(), HashMap::new());
-        Self { size: shape.size, m: shape.m, gbuffer, loans, parts, groups, frames }
+        let within = old.and_then(|old| old.within.clone());
+        Self { size: shape.size, image: shape.image, m: shape.m, within, gbuffer, loans, parts, groups, frames }
+    }
+
+    pub fn layout(&self) -> Layout {
+        Layout { image: self.image, size: self.size }
+    }
+
+    /// Drops the groups, since buffers that they bind were replaced.
+    pub fn forget_groups(&mut self) {
+        self.groups.clear();
+        self.frames.clear();
+    }
+
+    /// Drops the parts that frames have needed, except for some.
+    pub fn keep_only(&mut self, parts: &[Part]) {
+        self.parts.retain(|part, _| Part::GBUFFER.contains(part) || FIXED.contains(part) || parts.contains(part));
+        self.forget_groups();
     }
 
     /// Binds the lent memory once, so that the device reports memory of another device.
@@ -205,8 +237,7 @@ impl SizedResources {
             }
             self.parts.extend(made);
             // A part may have been replaced, so no group can be kept.
-            self.groups.clear();
-            self.frames.clear();
+            self.forget_groups();
         }
         Ok(())
     }
@@ -218,17 +249,24 @@ impl SizedResources {
         })
     }
 
-    /// Clears the counts of rays, and the results that the frame may not write.
-    pub fn clear(&self, encoder: &mut wgpu::CommandEncoder, shape: &Shape) {
-        if let Some(counters) = self.buffer(Part::Counters) {
+    /// Clears the counters at the `first` band of a frame, the counts of rays, and the results that the frame may not
+    /// write.
+    pub fn clear(&self, encoder: &mut wgpu::CommandEncoder, shape: &Shape, first: bool) {
+        if let Some(counters) = self.buffer(Part::Counters).filter(|_| first) {
             encoder.clear_buffer(counters, 0, None);
         }
         if let Some(tiles) = self.buffer(Part::Tiles).filter(|_| shape.inputs.any()) {
             encoder.clear_buffer(tiles, 0, Some(TILE_CLASSES_BYTES));
         }
-        // `trace` reads the first samples of neighbouring windows.
+        // `trace` reads the first samples of neighbouring windows. Points beyond the image's border read samples there
+        // that may have no point of their own.
+        let all = shape.lattices.is_some_and(|lattices| lattices.has(Pattern::Equilateral));
         if let Some(shadows) = self.buffer(Part::Shadows).filter(|_| shape.inputs.shadows) {
-            encoder.clear_buffer(shadows, 0, Some(plan_bytes(shape.size)));
+            encoder.clear_buffer(
+                shadows,
+                0,
+                Some(if all { sample_bytes(shape.size, shape.m) } else { plan_bytes(shape.size) }),
+            );
             if shape.rays {
                 let bytes = sample_bytes(shape.size, shape.m);
                 encoder.clear_buffer(shadows, bytes, Some(bytes));
@@ -395,7 +433,7 @@ fn texture(
 }
 
 fn refused(of: Resource, shape: &Shape, execution: Option<Execution>, bytes: u64, why: String) -> RecordError {
-    let (&Shape { size: [width, height], m, .. }, bytes) = (shape, bytes);
+    let &Shape { size: [width, height], m, .. } = shape;
     match of {
         Resource::List => RecordError::List { execution, width, height, m, bytes, why },
         Resource::Lattice => RecordError::Lattices { width, height, bytes, why },

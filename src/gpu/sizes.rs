@@ -33,7 +33,9 @@ const HIT_WORDS: u64 = 6;
 /// The values that the sizes of a frame's resources depend on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Shape {
+    /// The size of the image, or of its bands with their aprons.
     pub size: [u32; 2],
+    pub image: [u32; 2],
     pub m: u32,
     pub target_format: wgpu::TextureFormat,
     pub gbuffer: GBufferTier,
@@ -129,13 +131,21 @@ impl Shape {
             Part::Reflections if inputs.reflections => buffer(self.reflection_bytes(), cleared),
             Part::Tiles | Part::Shadows | Part::Reflections => None,
             Part::Counters => buffer(COUNTER_BYTES, wgpu::BufferUsages::COPY_SRC | cleared),
-            Part::Target => texture(self.target_format, size, wgpu::TextureUsages::RENDER_ATTACHMENT),
+            Part::Target => texture(self.target_format, self.image, wgpu::TextureUsages::RENDER_ATTACHMENT),
         }
     }
 
     /// The bytes of a part, 0 if frames of this shape have no such part.
     pub fn bytes(&self, part: Part) -> u64 {
         self.kind(part).map_or(0, |kind| kind.bytes())
+    }
+
+    /// The bytes of a part that is bound as a buffer, 0 for textures.
+    pub fn buffer_bytes(&self, part: Part) -> u64 {
+        match self.kind(part) {
+            Some(PartKind::Buffer { bytes, .. }) => bytes,
+            _ => 0,
+        }
     }
 
     /// The greatest size at which an existing part is kept. Room for hits stays, since frames of several techniques may
@@ -186,14 +196,14 @@ impl PassInfo {
     /// to a window. `None` for numbers that are computed on the GPU ([`Grid::Indirect`]) or follow from the frame's
     /// constants ([`Grid::AuditedTiles`]), and if a triangle is drawn.
     pub fn workgroups(&self, grid: Grid, size: [u32; 2], m: u32) -> Option<[u32; 3]> {
-        workgroups(grid, size, m, self.lattice, None)
+        workgroups(grid, (size, size), m, self.lattice, None)
     }
 }
 
-/// [`PassInfo::workgroups`] for a frame that audits these tiles.
+/// [`PassInfo::workgroups`] for a frame of a size, over an image or a band of it, that audits these tiles.
 pub(crate) fn workgroups(
     grid: Grid,
-    size: [u32; 2],
+    (size, image): ([u32; 2], [u32; 2]),
     m: u32,
     lattice: Option<[LatticeShape; 2]>,
     audited: Option<Audited>,
@@ -203,18 +213,19 @@ pub(crate) fn workgroups(
         Grid::One => [1, 1],
         Grid::Tiles => [tiles_x, tiles_y],
         Grid::TileRuns => [(tiles_x * tiles_y).div_ceil(TILE * TILE), 1],
-        Grid::Pixels(side) => size.map(|pixels| pixels.div_ceil(side)),
+        // The first block may begin before a band.
+        Grid::Pixels(side) => size.map(|pixels| (pixels + if size == image { 0 } else { TILE }).div_ceil(side)),
         Grid::Samples => size.map(|pixels| (pixels * m).div_ceil(TILE)),
         Grid::Counts => [pixel_rows(m), 1],
-        Grid::AuditedTiles => audited?.groups(size),
-        Grid::Points(side) => lattice::points(size, lattice?[0]).map(|points| points.div_ceil(side)),
-        Grid::Parents => lattice::points(size, lattice?[1]).map(|points| points.div_ceil(TILE)),
+        Grid::AuditedTiles => [audited?.groups(image)[0], tiles_y],
+        Grid::Points(side) => lattice::points(size, image, lattice?[0]).map(|points| points.div_ceil(side)),
+        Grid::Parents => lattice::points(size, image, lattice?[1]).map(|points| points.div_ceil(TILE)),
         Grid::Cells => {
             let [own, parents] = lattice?;
             let nested = own.pattern == parents.pattern && own.level + 1 == parents.level;
             // A row of triangles has one more cell.
             let cells = |points: u32| if nested { points / 2 + 2 } else { points };
-            lattice::points(size, own).map(|points| cells(points).div_ceil(TILE))
+            lattice::points(size, image, own).map(|points| cells(points).div_ceil(TILE))
         }
         Grid::Indirect { .. } | Grid::Target => return None,
     };

@@ -1,5 +1,6 @@
 //! The errors of the public interface. Each says what is wrong, where, and what to do about it.
 
+use crate::host::band::Rect;
 use crate::host::gbuffer::Ids;
 use crate::host::graph::Part;
 use crate::rays::RayTier;
@@ -59,7 +60,7 @@ pub enum SizeError {
     /// The G-buffer does not fit the device's limits.
     #[error(
         "{width}×{height} at m = {m} needs a G-buffer {}×{}, the device allows {limit} a side; lower m or the size, \
-         or request a greater max_texture_dimension_2d",
+         divide it with resize_banded, or request a greater max_texture_dimension_2d",
         u64::from(*.width) * u64::from(*.m), u64::from(*.height) * u64::from(*.m)
     )]
     TooLarge {
@@ -71,6 +72,36 @@ pub enum SizeError {
         m: u32,
         /// The device's `max_texture_dimension_2d`.
         limit: u32,
+    },
+    /// The image has more samples along a side than bands may have together.
+    #[error(
+        "{width}×{height} at m = {m} is more than {limit} samples a side, the most of an image in bands; lower m or the size"
+    )]
+    Samples {
+        /// The width of the output in pixels.
+        width: u32,
+        /// The height of the output in pixels.
+        height: u32,
+        /// The number of samples along one side of a window.
+        m: u32,
+        /// The most samples along one side.
+        limit: u32,
+    },
+    /// No bands of the image fit the limit.
+    #[error(
+        "{width}×{height} at m = {m} can't be rendered in bands within {limit} bytes; allow at least {least} bytes, or lower m"
+    )]
+    Limit {
+        /// The width of the output in pixels.
+        width: u32,
+        /// The height of the output in pixels.
+        height: u32,
+        /// The number of samples along one side of a window.
+        m: u32,
+        /// The limit in bytes.
+        limit: u64,
+        /// The least bytes that would do.
+        least: u64,
     },
     /// A buffer of one word per pixel exceeds the device's limits.
     #[error(
@@ -218,6 +249,56 @@ pub enum RecordError {
         /// The height of the node's output.
         height: u32,
     },
+    /// The viewport has another size than the node, or does not lie in the target.
+    #[error(
+        "Frame::viewport is {}×{} at {}, {}; it has the node's size, {width}×{height}, and lies in the target, {target_width}×{target_height}",
+        viewport.width, viewport.height, viewport.x, viewport.y
+    )]
+    Viewport {
+        /// The viewport of the frame.
+        viewport: Rect,
+        /// The width of the node's output.
+        width: u32,
+        /// The height of the node's output.
+        height: u32,
+        /// The width of the target.
+        target_width: u32,
+        /// The height of the target.
+        target_height: u32,
+    },
+    /// The node keeps bands of the image, but the frame has none.
+    #[error(
+        "the node keeps bands of {width}×{height} pixels; record each band that resize_banded returns, as Frame::band"
+    )]
+    NoBand {
+        /// The width of a band with its apron.
+        width: u32,
+        /// The height of a band with its apron.
+        height: u32,
+    },
+    /// The band is not one of the node's present size, or its apron is not the one that the frame needs.
+    #[error(
+        "band {index} of {count} is none of the node's present size for these settings and needs; call resize_banded with them, and record the bands that it returns"
+    )]
+    Band {
+        /// The index of the frame's band.
+        index: u32,
+        /// The number of bands that it is one of.
+        count: u32,
+    },
+    /// The band is not the next one of the frame.
+    #[error("band {index} is recorded where band {next} comes next; record the bands of a frame in order, from 0")]
+    BandOrder {
+        /// The index of the frame's band.
+        index: u32,
+        /// The index of the band that comes next.
+        next: u32,
+    },
+    /// A band differs from the first band of its frame in what applies to the whole frame.
+    #[error(
+        "band {0} has another camera, exposure or settings than band 0; they stay the same in all bands of a frame"
+    )]
+    BandDiffers(u32),
     /// The target has another format than the descriptor.
     #[error(
         "the target is {target:?}, the node writes {node:?}; build the node with Descriptor::target_format = {target:?}"
@@ -348,7 +429,7 @@ pub enum RecordError {
         importance: f32,
     },
     /// The ray results exceed the device's limits or memory.
-    #[error("rays at {width}×{height}, m = {m} keep {bytes} bytes: {why}; use a smaller size or m")]
+    #[error("rays at {width}×{height}, m = {m} keep {bytes} bytes: {why}; use a smaller size or m, or resize_banded")]
     Traces {
         /// The width of the node's output.
         width: u32,
@@ -385,7 +466,7 @@ pub enum RecordError {
     )]
     Shifted(Pattern),
     /// The lattices exceed the device's limits or memory.
-    #[error("lattices at {width}×{height} keep {bytes} bytes: {why}; use a smaller size")]
+    #[error("lattices at {width}×{height} keep {bytes} bytes: {why}; use a smaller size, or resize_banded")]
     Lattices {
         /// The width of the node's output.
         width: u32,

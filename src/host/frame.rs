@@ -1,5 +1,6 @@
 //! The input of one frame.
 
+use crate::host::band::{Band, Rect};
 use crate::host::error::RecordError;
 use crate::host::needs::Needs;
 use crate::host::table::TextureTable;
@@ -32,10 +33,16 @@ pub struct Frame<'a> {
     pub host_bind_group: Option<&'a wgpu::BindGroup>,
     /// The textures that `daa_texture` reads. Required if the descriptor has a texture tier.
     pub textures: Option<&'a TextureTable>,
-    /// The view that the image is written to. It has the size of the node, the format of the descriptor and the usage
-    /// `RENDER_ATTACHMENT`. The format of its texture may differ in sRGB, since a view may have another format than its
+    /// The view that the image is written to. It has the size of the node, or holds the [`viewport`](Self::viewport), the
+    /// format of the descriptor and the usage `RENDER_ATTACHMENT`. The format of its texture may differ in sRGB, since a view may have another format than its
     /// texture and wgpu does not tell which.
     pub target: &'a wgpu::TextureView,
+    /// The rectangle of the target that the image is written to, of the size of the node; the view shows the texture's
+    /// largest mip level. What lies around it is kept. `None`: the target has the size of the node.
+    pub viewport: Option<Rect>,
+    /// The band of the image that the G-buffer holds, after [`resize_banded`](crate::DeferredAa::resize_banded). `None`:
+    /// the G-buffer holds the whole image.
+    pub band: Option<Band>,
     /// What the scene needs besides shading; `Needs::default()` for nothing.
     pub needs: Needs<'a>,
     /// Whether to collect [`Statistics`](crate::Statistics) of this frame. Costs a copy of a few hundred bytes, and
@@ -53,6 +60,8 @@ impl<'a> Frame<'a> {
             host_bind_group: None,
             textures: None,
             target,
+            viewport: None,
+            band: None,
             needs: Needs::default(),
             statistics: false,
         }

@@ -216,8 +216,8 @@ fn pack_ids(ids: Ids) -> String {
     )
 }
 
-/// The attachments to render into, m·width × m·height samples. The node owns them;
-/// [`resize`](crate::DeferredAa::resize) replaces them.
+/// The attachments to render into, m·width × m·height samples of the output, or of a [band](crate::Band) with its
+/// apron. The node owns them; [`resize`](crate::DeferredAa::resize) replaces them.
 #[derive(Debug, Clone)]
 pub struct GBuffer {
     /// The number of samples along x: m · width.

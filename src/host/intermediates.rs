@@ -2,7 +2,8 @@
 
 use crate::host::plan::Slots;
 
-/// The resources that the passes use between them. All of them can be copied from.
+/// The resources that the passes use between them, of the last frame or, with bands, of its last band. All of them can
+/// be copied from.
 #[derive(Debug, Clone, Copy)]
 pub struct Intermediates<'a> {
     /// S, the image of first samples: `Rgba32Float`, w×h.

@@ -1,5 +1,6 @@
 //! The types that a host passes in and gets back: everything public except the node, the settings and the ray scene.
 
+pub(crate) mod band;
 pub(crate) mod check;
 pub(crate) mod descriptor;
 pub(crate) mod error;

@@ -121,8 +121,14 @@ pub struct Statistics {
     pub frame: u64,
     /// The technique of the frame.
     pub technique: Technique,
+    /// The number of bands of the frame. What follows is summed over them. The histograms of windows and quadrants are
+    /// of the image, each window once; samples, points, rays, tiles and times are of all work, aprons included.
+    pub bands: u32,
     /// The number of samples that the host's code shaded, first samples included.
     pub shaded: u64,
+    /// The number of first samples among them that were shaded in the aprons of bands, for their neighbours. 0 without
+    /// bands, and for techniques without first samples.
+    pub apron: u64,
     /// The number of shaded samples over n · w · h.
     pub ratio: f64,
     /// The number of shaded samples over w · h.
@@ -162,7 +168,7 @@ pub struct Statistics {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TileCounts {
-    /// The number of all tiles of the frame.
+    /// The number of all tiles of the frame, in each of its bands.
     pub all: u32,
     /// The number of tiles with a surface, for which shadow rays are dispatched. 0 if the frame traces nothing.
     pub surface: u32,
@@ -178,6 +184,7 @@ pub struct PassTime {
     pub name: &'static str,
     /// The kind of the pass.
     pub kind: PassKind,
-    /// The time in milliseconds, `None` without [`wgpu::Features::TIMESTAMP_QUERY`].
+    /// The time in milliseconds, in all bands of the frame; `None` without [`wgpu::Features::TIMESTAMP_QUERY`], and for
+    /// a frame of more than 64 bands.
     pub milliseconds: Option<f64>,
 }

@@ -7,6 +7,9 @@ use crate::host::graph::{Grid, Part, PassKind, Rounds, Stage};
 static MODULE: Module =
     Module { name: "max_filter", base: Base::GBuffer, chunks: &[include_str!("../../shaders/passes/max_filter.wgsl")] };
 
+/// `DAA_BLOCK` of max_filter.wgsl: the number of pixels along one side of a block.
+pub(crate) const BLOCK: u32 = 6;
+
 pub(crate) static MAX_FILTER: PassData = PassData {
     names: &["max_filter"],
     kind: PassKind::MaxFilter,
@@ -14,8 +17,8 @@ pub(crate) static MAX_FILTER: PassData = PassData {
     gbuffer: false,
     bindings: &[Binding::update(0, "daa_counts", Slot::Part(Part::WindowCounts))],
     stages: &[
-        // 8 blocks of 6 pixels along either side.
-        Stage::new("daa_max_filter_main", Grid::Pixels(48)),
+        // 8 blocks along either side.
+        Stage::new("daa_max_filter_main", Grid::Pixels(8 * BLOCK)),
     ],
     rounds: Rounds::Once,
 };

@@ -57,7 +57,7 @@ pub struct Step {
 
 /// The steps of a frame, from the coarsest.
 pub fn steps(settings: &MultiResolution, size: [u32; 2], rays: bool) -> Vec<Step> {
-    let all = LatticeSteps::new(settings, size, u32::from(rays));
+    let all = LatticeSteps::new(settings, size, size, u32::from(rays));
     let of = if rays { LatticeUse::Rays } else { LatticeUse::Shading };
     let patterns = [Pattern::Quad, Pattern::Triangular, Pattern::Equilateral];
     let lattice = |l: &lattice::LatticeUniform| Lattice {

@@ -85,8 +85,20 @@ pub(crate) trait Method: Sync {
     }
 
     /// The lattices that it refines, if any.
-    fn lattices(&self, _settings: &Settings, _size: [u32; 2], _inputs: RayInputs) -> Option<LatticeSteps> {
+    fn lattices(
+        &self,
+        _settings: &Settings,
+        _size: [u32; 2],
+        _image: [u32; 2],
+        _inputs: RayInputs,
+    ) -> Option<LatticeSteps> {
         None
+    }
+
+    /// How far around a pixel its passes read what lies in other pixels, in pixels. A band is rastered so much further
+    /// than it is shown.
+    fn apron(&self, _settings: &Settings, _inputs: RayInputs) -> u32 {
+        0
     }
 
     /// Whether it can be scaled by an effort to meet a goal.

@@ -3,7 +3,7 @@
 
 use super::image::{Shown, image_or_view};
 use super::method::{Counted, Effort, Method, Windows, nothing};
-use super::planned::planned;
+use super::planned::{blocks, planned};
 use super::rays;
 use super::reconstructed::weights;
 use crate::gpu::binding::PassData;
@@ -63,6 +63,7 @@ impl Method for MultiResolution {
         uniform.flag(flag::VETO, l.veto);
         uniform.flag(flag::WEIGHTED, l.weighted);
         uniform.flag(flag::SUPERSAMPLED, l.supersampled);
+        uniform.around = if l.supersampled { blocks(settings.execution) } else { 0 };
         uniform.footprint = if l.supersampled { l.footprint } else { 1.0 };
         uniform.multi_resolution =
             MultiResolutionUniform { color: l.color_threshold, position: l.position_threshold, padding: [0; 2] };
@@ -104,7 +105,22 @@ impl Method for MultiResolution {
         Some(settings.execution)
     }
 
-    fn lattices(&self, settings: &Settings, size: [u32; 2], inputs: RayInputs) -> Option<LatticeSteps> {
-        Some(LatticeSteps::new(&settings.multi_resolution, size, inputs.code()))
+    fn lattices(
+        &self,
+        settings: &Settings,
+        size: [u32; 2],
+        image: [u32; 2],
+        inputs: RayInputs,
+    ) -> Option<LatticeSteps> {
+        Some(LatticeSteps::new(&settings.multi_resolution, size, image, inputs.code()))
+    }
+
+    fn apron(&self, settings: &Settings, inputs: RayInputs) -> u32 {
+        let reach = |of| lattice::reach(&settings.multi_resolution, of);
+        let rays = if inputs.any() { reach(LatticeUse::Rays) } else { 0 };
+        // `lattice_to_pixels` judges windows by their neighbours.
+        let more = settings.multi_resolution.supersampled;
+        let judged = if more { 1 + blocks(settings.execution) } else { 0 };
+        reach(LatticeUse::Shading) + rays + judged
     }
 }

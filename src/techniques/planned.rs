@@ -8,6 +8,11 @@ use crate::host::needs::RayInputs;
 use crate::passes::{list, max_filter, plan, shade, shade_listed};
 use crate::settings::Execution;
 
+/// How far a pixel's block of [`Execution::MaxFiltered`] reaches, in pixels.
+pub(super) fn blocks(execution: Execution) -> u32 {
+    if execution == Execution::MaxFiltered { max_filter::BLOCK - 1 } else { 0 }
+}
+
 /// Plans the samples beyond the first, casts their rays, and shades them.
 pub(super) fn planned(execution: Execution, inputs: RayInputs) -> Vec<Step> {
     let (listed, shade): (Option<&'static PassData>, &'static PassData) = match execution {

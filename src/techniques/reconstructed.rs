@@ -54,6 +54,10 @@ impl Method for Reconstructed {
             .then(image_or_view(settings, &shown))
     }
 
+    fn apron(&self, _: &Settings, _: RayInputs) -> u32 {
+        1
+    }
+
     fn order(&self, settings: &Settings, m: u32) -> Vec<(u8, u8)> {
         if settings.reconstructed.rotated_grid { window::rotated(m) } else { window::order(m) }
     }

@@ -80,6 +80,11 @@ impl Method for Selective {
         Counted::by_k(counters, of.n, nothing(of))
     }
 
+    fn apron(&self, settings: &Settings, _: RayInputs) -> u32 {
+        // Gradients are differences of the neighbours' neighbours.
+        if settings.selective.reference == ColorReference::Gradient { 2 } else { 1 }
+    }
+
     fn reads_marks(&self) -> bool {
         true
     }

@@ -2,7 +2,7 @@
 
 use super::image::{Shown, image_or_view};
 use super::method::{Counted, Effort, Method, Windows};
-use super::planned::planned;
+use super::planned::{blocks, planned};
 use super::rays;
 use crate::gpu::step::Steps;
 use crate::gpu::uniforms::casting::CastSamples;
@@ -24,6 +24,7 @@ impl Method for Windowed {
         uniform.flag(flag::LUMINANCE_PERCEPTUAL, w.luminance == LuminanceCurve::Perceptual);
         uniform.flag(flag::LUMINANCE_CENTRE, w.luminance_centre);
         uniform.flag(flag::EDGE_AWARE_FIRST, w.edge_aware_first);
+        uniform.around = blocks(settings.execution);
         uniform.footprint = w.footprint;
         uniform.least_samples = w.least_samples;
         uniform.tile_limit = w.tile_limit;
@@ -67,6 +68,10 @@ impl Method for Windowed {
 
     fn execution(&self, settings: &Settings) -> Option<Execution> {
         Some(settings.execution)
+    }
+
+    fn apron(&self, settings: &Settings, _: RayInputs) -> u32 {
+        1 + blocks(settings.execution)
     }
 
     fn has_effort(&self) -> bool {

@@ -81,6 +81,8 @@ fn frame(target: &wgpu::TextureView, settings: Settings) -> Frame<'_> {
         host_bind_group: None,
         textures: None,
         target,
+        viewport: None,
+        band: None,
         needs: Needs::default(),
         statistics: true,
     }
@@ -798,7 +800,7 @@ fn texts() {
     assert_snapshot!(BuildError::Pipeline(pipeline.clone()), @"pass 'first' could not be compiled: Binding 0 is missing; compare the host's bind group layout with its WGSL");
     let (width, height, m) = (1920, 1080, 8);
     assert_snapshot!(SizeError::Empty { width: 0, height }, @"0×1080 has no pixels; skip the frame while the window is minimised");
-    assert_snapshot!(SizeError::TooLarge { width, height, m, limit: 8192 }, @"1920×1080 at m = 8 needs a G-buffer 15360×8640, the device allows 8192 a side; lower m or the size, or request a greater max_texture_dimension_2d");
+    assert_snapshot!(SizeError::TooLarge { width, height, m, limit: 8192 }, @"1920×1080 at m = 8 needs a G-buffer 15360×8640, the device allows 8192 a side; lower m or the size, divide it with resize_banded, or request a greater max_texture_dimension_2d");
     assert_snapshot!(SizeError::Buffer { width: 8192, height: 8192, bytes: 1 << 28, limit: 1 << 27 }, @"8192×8192 needs a buffer of 268435456 bytes, the device binds 134217728; request a greater max_storage_buffer_binding_size");
     let message = "Not enough memory left.".into();
     assert_snapshot!(SizeError::OutOfMemory { width, height, m, bytes: 4_777_574_400, message }, @"the device has no memory for 4777574400 bytes of 1920×1080 at m = 8: Not enough memory left.; lower m or the size");

@@ -3,8 +3,8 @@
 use deferred_aa::reference::metrics::{Input, Worth};
 use deferred_aa::reference::octahedral;
 use deferred_aa::{
-    BINDING_FEATURES, Camera, DeferredAa, Descriptor, Frame, GBuffer, GBufferTier, InputReport, Needs, RecordError,
-    Settings, Shading, Statistics, TextureTier,
+    BINDING_FEATURES, Band, Camera, DeferredAa, Descriptor, Frame, GBuffer, GBufferTier, InputReport, Needs,
+    RecordError, Settings, Shading, Statistics, TextureTier,
     glam::{DVec3, Mat4, Vec2, Vec3, Vec4, camera::rh::proj::directx},
     wgpu,
 };
@@ -90,6 +90,8 @@ pub struct Rig {
     pub size: [u32; 2],
     pub exposure: f32,
     pub camera: Camera,
+    /// Of the image, that the G-buffer holds.
+    pub band: Option<Band>,
     target: wgpu::Texture,
     view: wgpu::TextureView,
 }
@@ -138,7 +140,7 @@ impl Rig {
         });
         let view = target.create_view(&Default::default());
         let camera = camera(width as f32 / height as f32);
-        Self { gpu, aa, size: [width, height], exposure: 1.0, camera, target, view }
+        Self { gpu, aa, size: [width, height], exposure: 1.0, camera, band: None, target, view }
     }
 
     /// Writes the G-buffer, sample by sample, through the crate's own packing.
@@ -157,7 +159,8 @@ impl Rig {
     ) -> Result<wgpu::CommandBuffer, RecordError> {
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         let (settings, exposure, statistics) = (settings, self.exposure, true);
-        let frame = Frame { needs, settings, exposure, statistics, ..Frame::new(self.camera, &self.view) };
+        let band = self.band;
+        let frame = Frame { needs, settings, exposure, statistics, band, ..Frame::new(self.camera, &self.view) };
         self.aa.record(&self.gpu.queue, &mut encoder, &frame)?;
         Ok(encoder.finish())
     }
@@ -165,7 +168,7 @@ impl Rig {
     /// Records a check of the input alone.
     pub fn try_check(&mut self) -> Result<wgpu::CommandBuffer, RecordError> {
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        let frame = Frame::new(self.camera, &self.view);
+        let frame = Frame { band: self.band, ..Frame::new(self.camera, &self.view) };
         self.aa.check_input(&self.gpu.queue, &mut encoder, &frame)?;
         Ok(encoder.finish())
     }

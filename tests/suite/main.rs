@@ -2,6 +2,7 @@
 //! to complain of.
 
 mod api;
+mod bands;
 mod bits;
 mod checker;
 mod debug_views;

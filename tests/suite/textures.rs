@@ -136,6 +136,8 @@ impl Textured {
             host_bind_group: None,
             textures: Some(&self.table),
             target: &self.target.create_view(&Default::default()),
+            viewport: None,
+            band: None,
             statistics: true,
         };
         self.aa.record(&self.gpu.queue, &mut encoder, &frame).expect("a frame");

@@ -132,6 +132,11 @@ pub struct Opened {
 impl ViewArgs {
     /// Opens the scene in a host, with the camera. Notices go to stderr.
     pub fn open(&self) -> Result<(Host, Camera), CommandError> {
+        self.open_within(None)
+    }
+
+    /// [`open`](Self::open) for frames in bands, so that the node holds at most so many bytes.
+    pub fn open_within(&self, memory: Option<u64>) -> Result<(Host, Camera), CommandError> {
         let m = check_m(self.m)?;
         let args = &self.scene;
         let Opened { scene, gpu, camera, gbuffer } = args.open(m)?;
@@ -147,7 +152,7 @@ impl ViewArgs {
             rays: args.rays.tier(),
             gbuffer,
         };
-        let host = Host::new(gpu, scene, options)?;
+        let host = Host::within(gpu, scene, options, memory)?;
         note(&host);
         Ok((host, camera))
     }
@@ -198,6 +203,24 @@ pub fn parse_size(text: &str) -> Result<(u32, u32), String> {
     }
 }
 
+/// Bytes as a whole number with a unit: of 1000 (KB, MB, GB) or of 1024 (KiB, MiB, GiB).
+pub fn parse_bytes(text: &str) -> Result<u64, String> {
+    let cure = || format!("'{text}' is no number of bytes: write one with a unit, such as 512MB or 2GiB");
+    let end = text.find(|c: char| !c.is_ascii_digit()).unwrap_or(text.len());
+    let unit: u64 = match text[end..].trim().to_ascii_lowercase().as_str() {
+        "" | "b" => 1,
+        "kb" => 1000,
+        "mb" => 1_000_000,
+        "gb" => 1_000_000_000,
+        "kib" => 1 << 10,
+        "mib" => 1 << 20,
+        "gib" => 1 << 30,
+        _ => return Err(cure()),
+    };
+    let number: u64 = text[..end].parse().map_err(|_| cure())?;
+    number.checked_mul(unit).filter(|&bytes| bytes > 0).ok_or_else(cure)
+}
+
 pub fn parse_camera(text: &str) -> Result<CameraArg, String> {
     let numbers: Result<Vec<f32>, _> = text.split(',').map(|n| n.trim().parse::<f32>()).collect();
     let numbers = numbers
@@ -236,4 +259,22 @@ pub fn parse_technique(text: &str) -> Result<Technique, String> {
     let meant = did_you_mean(text, &names);
     let [all_but_last @ .., last] = &names;
     Err(format!("no technique '{text}':{meant} choose {} or {last}", all_but_last.join(", ")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::parse_bytes;
+
+    #[test]
+    fn bytes_have_units() {
+        let all = [("512MB", 512_000_000), ("1 gb", 1_000_000_000), ("2GiB", 2 << 30), ("3kib", 3072), ("4KB", 4000)];
+        for (text, bytes) in all.into_iter().chain([("17", 17), ("17B", 17), ("5MiB", 5 << 20)]) {
+            assert_eq!(parse_bytes(text), Ok(bytes));
+        }
+        for text in ["", "MB", "0", "-1MB", "1.5GB", "1TB", "512 MB and more", "99999999999999999999", "20000000000GB"]
+        {
+            let told = format!("'{text}' is no number of bytes: write one with a unit, such as 512MB or 2GiB");
+            assert_eq!(parse_bytes(text), Err(told));
+        }
+    }
 }

@@ -1,6 +1,6 @@
 //! `render`: one technique on one view, with everything that it wrote.
 
-use super::args::ViewArgs;
+use super::args::{ViewArgs, parse_bytes};
 use super::error::CommandError;
 use super::output::{say, write_json};
 use super::set::SettingsArgs;
@@ -25,6 +25,10 @@ pub struct Render {
     /// Measured frames, after one that warms up.
     #[arg(long, default_value_t = 1)]
     frames: u32,
+    /// The most that the node may hold, such as 512MB or 2GiB: renders in bands that fit it, and leaves the quality at
+    /// edges out. Textures larger than the device allows are divided, too.
+    #[arg(long, value_name = "BYTES", value_parser = parse_bytes)]
+    memory: Option<u64>,
     /// Leaves the grid reference out: no quality in stats.json, but no frame of full supersampling either.
     #[arg(long)]
     no_reference: bool,
@@ -41,7 +45,7 @@ impl Render {
             let problem = format!("'{:?}' has nothing to scale: use windowed", settings.technique).to_lowercase();
             return Err(CommandError::Argument { argument: "--goal".to_owned(), problem });
         }
-        let (mut host, camera) = self.view.open()?;
+        let (mut host, camera) = self.view.open_within(self.memory)?;
         let out = &self.view.scene.out;
         if let Some(wanted) = settings.goal {
             let (frames, progress) = goal::seek(|| host.frame(&camera, settings))?;
@@ -55,6 +59,8 @@ impl Render {
                 shots.push(shot);
             }
         }
+        // Before other frames change what is held.
+        let stats = Stats::new(&host, settings, &shots, None);
         let image = host.picture();
         let (width, height) = (host.options.width, host.options.height);
         let counts = host.sample_map(node_camera(&camera, width, height), settings)?;
@@ -71,7 +77,9 @@ impl Render {
                 host.frame(&camera, grid)?;
                 host.picture()
             };
-            Some(quality::compare(&image, &reference, Some(&host.edge_mask()))?)
+            // Of an image in bands, the G-buffer holds the last one alone.
+            let edges = self.memory.is_none().then(|| host.edge_mask());
+            Some(quality::compare(&image, &reference, edges.as_deref())?)
         };
         if settings.view == DebugView::Image {
             image.write_png(&out.join("image.png"))?;
@@ -84,12 +92,17 @@ impl Render {
         }
         image.write_exr(&out.join("image.exr"))?;
         picture::write_png(&picture::heat_map(&counts, width, height, n)?, &out.join("samples.png"))?;
-        if let Some(stats) = Stats::new(&host, settings, &shots, quality) {
+        if let Some(mut stats) = stats {
+            stats.quality.grid = quality;
             write_json(&out.join("stats.json"), &stats)?;
         }
         if let Some(rays) = &host.rays {
             eprintln!("{}", rays.summary());
             rays.notices.iter().for_each(|notice| eprintln!("{notice}"));
+        }
+        let bands = shots.last().map_or(1, |shot| shot.statistics.bands);
+        if bands > 1 {
+            eprintln!("rendered in {bands} bands");
         }
         eprintln!("wrote {}", out.display());
         Ok(())

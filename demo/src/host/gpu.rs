@@ -156,6 +156,13 @@ impl Gpu {
         let _ = self.device.poll(wgpu::PollType::wait_indefinitely());
     }
 
+    /// The bytes of all textures and buffers of the device, as wgpu counts them.
+    pub fn bytes(&self) -> u64 {
+        let counters = self.device.get_internal_counters().hal;
+        let bytes = counters.buffer_memory.read() + counters.texture_memory.read();
+        bytes.try_into().unwrap_or(0)
+    }
+
     /// Bytes of a buffer that was made with `COPY_SRC`.
     pub fn read_buffer(&self, buffer: &wgpu::Buffer) -> Vec<u8> {
         let copy = self.device.create_buffer(&wgpu::BufferDescriptor {

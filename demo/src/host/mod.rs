@@ -13,9 +13,9 @@ use crate::picture::Picture;
 use crate::scene::{Camera, Material, Scene, Sun};
 use deferred_aa::rays::{RayError, RayTier};
 use deferred_aa::{
-    BuildError, CastingLight, Channels, DebugView, DeferredAa, Descriptor, Effect, Frame, GBuffer, GBufferTier, Ids,
-    Needs, ObjectImportance, Pass, PlanWord, RecordError, Settings, Shading, SizeError, Statistics, Technique,
-    TextureTier,
+    Band, BuildError, CastingLight, Channels, DebugView, DeferredAa, Descriptor, Effect, Frame, GBuffer, GBufferTier,
+    Ids, Needs, ObjectImportance, Pass, PlanWord, RecordError, Rect, Settings, Shading, SizeError, Statistics,
+    Technique, TextureTier,
 };
 use glam::Vec3;
 use gpu::Gpu;
@@ -71,6 +71,10 @@ pub struct Host {
     pub uploaded: GpuScene,
     /// The options that it was built with.
     pub options: Options,
+    /// The most bytes that the node may hold; it renders in bands then. `None`: the whole image at once.
+    pub memory: Option<u64>,
+    /// The most bytes that all textures and buffers of the device were seen to take.
+    peak: u64,
     /// Materials that reflect or refract.
     reflective: Vec<u32>,
     /// Materials with a texture.
@@ -232,10 +236,17 @@ impl HostError {
 impl Host {
     /// Builds the node, uploads the scene.
     pub fn new(gpu: Gpu, scene: Scene, options: Options) -> Result<Self, HostError> {
+        Self::within(gpu, scene, options, None)
+    }
+
+    /// [`new`](Self::new) for frames in bands, so that the node holds at most so many bytes.
+    pub fn within(gpu: Gpu, scene: Scene, options: Options, memory: Option<u64>) -> Result<Self, HostError> {
         let device = &gpu.device;
         let layout = host_layout(device);
         let mut aa = DeferredAa::new(device, &options.descriptor(), Some(&layout))?;
-        aa.resize(device, options.width, options.height)?;
+        if memory.is_none() {
+            aa.resize(device, options.width, options.height)?;
+        }
         let uploaded = GpuScene::new(device, &gpu.queue, &aa, &scene, options.anisotropy)?;
         let raster = Raster::new(device, &aa, options.textures, &scene, &uploaded);
         let lighting = device.create_buffer(&wgpu::BufferDescriptor {
@@ -274,6 +285,8 @@ impl Host {
             scene,
             uploaded,
             options,
+            memory,
+            peak: 0,
             rays: None,
             raster,
             host_bind_group,
@@ -297,9 +310,69 @@ impl Host {
 
     /// [`frame`](Self::frame) by a camera that may be off-centre, such as part of another's picture.
     pub fn frame_with(&mut self, camera: deferred_aa::Camera, settings: Settings) -> Result<Shot, HostError> {
-        let encoder = self.raster(&camera);
-        let statistics = self.shade(encoder, camera, settings, DeferredAa::record)?;
-        Ok(Shot { statistics, gbuffer_ms: self.raster.milliseconds(&self.gpu) })
+        let bands = self.bands(&settings)?;
+        self.frame_of_bands(camera, settings, &bands, Self::raster, |_, _| ())
+    }
+
+    /// [`frame_with`](Self::frame_with) in these bands. `fill` makes the G-buffer of each, and `done` follows when the GPU
+    /// has finished with it.
+    pub fn frame_of_bands(
+        &mut self,
+        camera: deferred_aa::Camera,
+        settings: Settings,
+        bands: &[Option<Band>],
+        mut fill: impl FnMut(&Self, &mut wgpu::CommandEncoder, &deferred_aa::Camera, Option<&Band>),
+        mut done: impl FnMut(&Self, Option<&Band>),
+    ) -> Result<Shot, HostError> {
+        let mut gbuffer_ms = Some(0.0);
+        for &band in bands {
+            let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+            fill(self, &mut encoder, &camera, band.as_ref());
+            self.shade(encoder, (camera, band), settings, DeferredAa::record)?;
+            gbuffer_ms = gbuffer_ms.zip(self.raster.milliseconds(&self.gpu)).map(|(sum, ms)| sum + ms);
+            self.peak = self.peak.max(self.gpu.bytes());
+            done(self, band.as_ref());
+        }
+        let statistics = self.aa.statistics().ok_or(HostError::NoStatistics)?.clone();
+        Ok(Shot { statistics, gbuffer_ms })
+    }
+
+    /// The bands of a frame with these settings; a single `None` if it is rendered as a whole.
+    pub fn bands(&mut self, settings: &Settings) -> Result<Vec<Option<Band>>, HostError> {
+        let Some(limit) = self.memory else { return Ok(vec![None]) };
+        let shadows = self.casting(settings.shadows);
+        let needs = Needs { shadows: &shadows, reflective: &self.reflective, ..Default::default() };
+        let size = (self.options.width, self.options.height);
+        let bands = self.aa.resize_banded(&self.gpu.device, size, limit, settings, &needs)?;
+        Ok(bands.into_iter().map(Some).collect())
+    }
+
+    /// Renders the scene into the node's G-buffer.
+    fn raster(&self, encoder: &mut wgpu::CommandEncoder, camera: &deferred_aa::Camera, band: Option<&Band>) {
+        self.raster_as(encoder, camera, band, true);
+    }
+
+    /// Renders the scene into the node's G-buffer, for a band in the viewport of the image where that is allowed and
+    /// wanted, else with a cropped projection.
+    pub fn raster_as(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        camera: &deferred_aa::Camera,
+        band: Option<&Band>,
+        by_viewport: bool,
+    ) {
+        if let Some(gbuffer) = self.aa.gbuffer() {
+            let (queue, limits) = (&self.gpu.queue, self.gpu.device.limits());
+            let viewport = |band: &Band| band.viewport(self.options.m, &limits).filter(|_| by_viewport);
+            let part = band.map(|band| (*band, viewport(band)));
+            self.raster.record_part(queue, encoder, &self.scene, &self.uploaded, camera, (gbuffer, part));
+        }
+    }
+
+    /// The most bytes that the textures and buffers of the device took together after a frame or a band, as wgpu counts
+    /// them.
+    pub fn peak(&self) -> u64 {
+        self.peak
     }
 
     /// [`frame`](Self::frame) that `record` records in place of [`DeferredAa::record`]: for graphs that order passes themselves.
@@ -310,36 +383,32 @@ impl Host {
         record: impl FnOnce(&mut DeferredAa, &wgpu::Queue, &mut wgpu::CommandEncoder, &Frame<'_>) -> Result<(), RecordError>,
     ) -> Result<Statistics, HostError> {
         let camera = node_camera(camera, self.options.width, self.options.height);
-        let encoder = self.raster(&camera);
-        self.shade(encoder, camera, settings, record)
-    }
-
-    /// Records the G-buffer.
-    fn raster(&mut self, camera: &deferred_aa::Camera) -> wgpu::CommandEncoder {
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        if let Some(gbuffer) = self.aa.gbuffer() {
-            self.raster.record(&self.gpu.queue, &mut encoder, &self.scene, &self.uploaded, camera, gbuffer);
-        }
-        self.shown = Some(*camera);
-        encoder
+        self.raster(&mut encoder, &camera, None);
+        self.shade(encoder, (camera, None), settings, record)?;
+        Ok(self.aa.statistics().ok_or(HostError::NoStatistics)?.clone())
     }
 
     /// [`frame`](Self::frame) over the last frame's G-buffer, which must be of the same camera: for many settings on one
     /// view.
     pub fn shade_again(&mut self, camera: &Camera, settings: Settings) -> Result<Shot, HostError> {
-        let encoder = self.gpu.device.create_command_encoder(&Default::default());
+        if self.memory.is_some() {
+            // The G-buffer may hold the last band alone.
+            return self.frame(camera, settings);
+        }
         let camera = node_camera(camera, self.options.width, self.options.height);
-        Ok(Shot { statistics: self.shade(encoder, camera, settings, DeferredAa::record)?, gbuffer_ms: None })
+        Ok(Shot { gbuffer_ms: None, ..self.frame_of_bands(camera, settings, &[None], |_, _, _, _| (), |_, _| ())? })
     }
 
-    /// Records the node, submits, waits.
+    /// Records the node over the image or a band of it, submits, waits.
     fn shade(
         &mut self,
         mut encoder: wgpu::CommandEncoder,
-        camera: deferred_aa::Camera,
+        (camera, band): (deferred_aa::Camera, Option<Band>),
         settings: Settings,
         record: impl FnOnce(&mut DeferredAa, &wgpu::Queue, &mut wgpu::CommandEncoder, &Frame<'_>) -> Result<(), RecordError>,
-    ) -> Result<Statistics, HostError> {
+    ) -> Result<(), HostError> {
+        self.shown = Some(camera);
         self.lighting_values.camera = camera.world_from_view.w_axis.truncate().to_array();
         self.write_lighting();
         let shadows = self.casting(settings.shadows);
@@ -374,13 +443,14 @@ impl Host {
             host_bind_group: Some(&self.host_bind_group),
             textures: Some(&self.uploaded.table),
             target: &self.target_view,
+            viewport: None,
+            band,
             statistics: true,
         };
         record(&mut self.aa, &self.gpu.queue, &mut encoder, &frame)?;
         self.gpu.queue.submit([encoder.finish()]);
         self.gpu.wait();
-        self.complaints()?;
-        Ok(self.aa.statistics().ok_or(HostError::NoStatistics)?.clone())
+        self.complaints()
     }
 
     /// Whether the pipelines of a frame with these settings are compiled.
@@ -407,7 +477,9 @@ impl Host {
 
     /// Changes the output size. The picture is lost.
     pub fn resize(&mut self, width: u32, height: u32) -> Result<(), HostError> {
-        self.aa.resize(&self.gpu.device, width, height)?;
+        if self.memory.is_none() {
+            self.aa.resize(&self.gpu.device, width, height)?;
+        }
         (self.target, self.target_view) = target(&self.gpu.device, width, height);
         (self.options.width, self.options.height) = (width, height);
         self.complaints()
@@ -499,20 +571,26 @@ impl Host {
 
     /// k of each pixel in the last frame, whose technique is given.
     pub fn counts(&self, technique: Technique) -> Vec<u32> {
-        let (width, height) = (self.options.width, self.options.height);
-        let uniform = |k| vec![k; (width * height) as usize];
+        self.counts_of(technique, [self.options.width, self.options.height])
+    }
+
+    fn counts_of(&self, technique: Technique, size: [u32; 2]) -> Vec<u32> {
+        let uniform = |k| vec![k; (size[0] * size[1]) as usize];
         match (technique, self.aa.intermediates()) {
             (Technique::Full, _) => uniform(self.options.m * self.options.m),
             (Technique::Single, _) | (_, None) => uniform(1),
-            (_, Some(_)) => self.plan().into_iter().map(PlanWord::k).collect(),
+            (_, Some(_)) => self.plan_of(size).into_iter().map(PlanWord::k).collect(),
         }
     }
 
     /// The last frame's plan, rows from the top: [`deferred_aa::Intermediates::plan`]. Waits.
     pub fn plan(&self) -> Vec<PlanWord> {
+        self.plan_of([self.options.width, self.options.height])
+    }
+
+    fn plan_of(&self, [width, height]: [u32; 2]) -> Vec<PlanWord> {
         let Some(passed) = self.aa.intermediates() else { return Vec::new() };
         let plan: Vec<PlanWord> = bytemuck::pod_collect_to_vec(&self.gpu.read_buffer(passed.plan));
-        let (width, height) = (self.options.width, self.options.height);
         let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
         pixels.map(|(x, y)| plan[passed.slots.pixel(x, y)]).collect()
     }
@@ -542,9 +620,25 @@ impl Host {
     /// [`counts`](Self::counts) of the last frame, which had these settings; its picture is gone then.
     pub fn sample_map(&mut self, camera: deferred_aa::Camera, settings: Settings) -> Result<Vec<u32>, HostError> {
         let lattices = settings.technique == Technique::MultiResolution && !settings.multi_resolution.supersampled;
-        if lattices && settings.view == DebugView::Image {
-            // Only a view writes down what was shaded.
-            self.frame_with(camera, Settings { view: DebugView::Levels, ..settings })?;
+        // Only a view writes down what was shaded.
+        let views = lattices && settings.view == DebugView::Image;
+        let settings = if views { Settings { view: DebugView::Levels, ..settings } } else { settings };
+        let bands = self.bands(&settings)?;
+        if views || bands.len() > 1 {
+            let (width, height) = (self.options.width, self.options.height);
+            let mut all = vec![0; (width * height) as usize];
+            // The last frame's plan is that of its last band.
+            self.frame_of_bands(camera, settings, &bands, Self::raster, |host, band| {
+                let whole = Rect { x: 0, y: 0, width, height };
+                let [output, raster] = band.map_or([whole; 2], |band| [band.output, band.raster]);
+                let counts = host.counts_of(settings.technique, [raster.width, raster.height]);
+                for (x, y) in (0..output.height).flat_map(|y| (0..output.width).map(move |x| (x, y))) {
+                    let (left, top) = (output.x - raster.x + x, output.y - raster.y + y);
+                    all[((output.y + y) * width + output.x + x) as usize] =
+                        counts[(top * raster.width + left) as usize];
+                }
+            })?;
+            return Ok(all);
         }
         Ok(self.counts(settings.technique))
     }

@@ -83,6 +83,7 @@ pub struct Memory {
     scratch: u64,
     /// Bytes held for rays, including the scene for rays.
     pub rays: u64,
+    /// The most bytes that all textures and buffers of the device took after a frame, as wgpu counts them.
     peak: Option<u64>,
 }
 
@@ -168,7 +169,7 @@ impl Stats {
                 gbuffer: memory.gbuffer,
                 scratch: memory.scratch,
                 rays: memory.rays + scene,
-                peak: None,
+                peak: Some(host.peak()).filter(|&bytes| bytes > 0),
             },
             quality: Against { grid, truth: None },
             passes: s.passes.iter().map(|p| p.name.to_owned()).collect(),

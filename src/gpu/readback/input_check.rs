@@ -62,7 +62,7 @@ impl InputCheck {
             let descriptor = wgpu::ComputePassDescriptor { label: Some(stage.entry), timestamp_writes: None };
             let mut pass = encoder.begin_compute_pass(&descriptor);
             if let (PipelineKind::Compute(pipeline), Some([x, y, z])) =
-                (&pipeline.kind, workgroups(stage.grid, size, build.m, None, None))
+                (&pipeline.kind, workgroups(stage.grid, (size, size), build.m, None, None))
             {
                 pass.set_pipeline(pipeline);
                 pass.set_bind_group(0, frame, &[offset]);

@@ -2,6 +2,7 @@
 
 use crate::TILE;
 use crate::gpu::uniforms::audited::Audited;
+use crate::host::band::Band;
 use crate::host::error::RecordError;
 use crate::host::frame::Frame;
 use crate::host::needs::RayInputs;
@@ -84,7 +85,11 @@ pub(crate) struct FrameUniform {
     pub tile_limit: u32,
     pub casting: u32,
     pub view: u32,
-    pub padding: [u32; 3],
+    pub around: u32,
+    pub origin: [u32; 2],
+    pub image: [u32; 2],
+    pub target_origin: [u32; 2],
+    pub shown: [u32; 4],
     pub windowed: WindowedUniform,
     pub audit: AuditUniform,
     pub reconstruct: ReconstructUniform,
@@ -125,27 +130,33 @@ pub(crate) mod flag {
 }
 
 impl FrameUniform {
-    /// The constants that all techniques share. Samples have their own texture footprints; their order and the
-    /// technique's part are not filled in.
-    pub fn new(frame: &Frame<'_>, size: [u32; 2], audited: Audited) -> Result<Self, RecordError> {
+    /// The constants that all techniques share. The image's first pixel lies at `at` in the target. Samples have their
+    /// own texture footprints; their order and the technique's part are not filled in.
+    pub fn new(frame: &Frame<'_>, band: &Band, at: [u32; 2], audited: Audited) -> Result<Self, RecordError> {
         let (relative_from_clip, position, forward) = frame.camera.relative()?;
         if !(frame.exposure.is_finite() && frame.exposure > 0.0) {
             return Err(RecordError::Exposure(frame.exposure));
         }
         let inputs = RayInputs::of(&frame.settings, &frame.needs);
+        let Band { raster, output, image, .. } = *band;
+        let [left, top] = [output.x - raster.x, output.y - raster.y];
         let mut uniform = Self {
             relative_from_clip: relative_from_clip.to_cols_array_2d(),
             camera_position: position.to_array(),
             exposure: frame.exposure,
             camera_forward: forward.to_array(),
             orthographic: u32::from(frame.camera.is_orthographic()),
-            size,
-            tiles_x: size[0].div_ceil(TILE),
+            size: [raster.width, raster.height],
+            tiles_x: raster.width.div_ceil(TILE),
             footprint: 1.0,
             least_samples: 1.0,
             tile_limit: Windowed::NO_TILE_LIMIT,
             casting: if inputs.shadows { frame.needs.shadows.len() as u32 } else { 0 },
             view: frame.settings.view as u32,
+            origin: [raster.x, raster.y],
+            image,
+            target_origin: [at[0] + raster.x, at[1] + raster.y],
+            shown: [left, top, left + output.width, top + output.height],
             audit: AuditUniform {
                 period: audited.period,
                 phase: audited.phase,

@@ -1,6 +1,7 @@
 //! The lattices of points over the G-buffer that a frame refines, and the steps between them. lattice.wgsl has their
 //! geometry.
 
+use crate::TILE;
 use crate::host::graph::LatticeShape;
 use crate::settings::{MultiResolution, Pattern};
 
@@ -59,6 +60,14 @@ pub(crate) fn levels(settings: &MultiResolution, of: LatticeUse) -> impl Iterato
     coarse.into_iter().chain(fine).flatten()
 }
 
+/// How far around a point of the finest lattice of a use the values lie that decide its own, in pixels. A point follows
+/// from its parents, and they from their neighbours. Rows of equilateral triangles lie at rounded places.
+pub(crate) fn reach(settings: &MultiResolution, of: LatticeUse) -> u32 {
+    let finer = levels(settings, of).skip(1).count();
+    let parents = levels(settings, of).take(finer);
+    parents.map(|parent| 2 << parent.pitch()).sum::<u32>() + 1
+}
+
 /// `DaaLattice` of lattice.wgsl.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
@@ -69,7 +78,24 @@ pub(crate) struct LatticeUniform {
     pub height: u32,
     pub first: u32,
     pub place: u32,
-    pub padding: [u32; 2],
+    pub origin: [u32; 2],
+}
+
+impl LatticeUniform {
+    /// The lattice over the part of an image that begins at the pixel `origin`, a multiple of [`TILE`].
+    fn placed(self, origin: [u32; 2], image: [u32; 2]) -> Self {
+        let pattern = [Pattern::Quad, Pattern::Triangular, Pattern::Equilateral][self.kind as usize];
+        let row = match pattern {
+            Pattern::Quad | Pattern::Triangular => origin[1] >> self.level,
+            // The last row of the coarsest lattice at or above the origin; it is also a row of all others.
+            Pattern::Equilateral => {
+                let rows = u64::from(origin[1]) * 65536 / u64::from(TILE * EQUILATERAL_ROW);
+                (rows as u32) << (TILE.ilog2() - self.level)
+            }
+        };
+        let rows = points(image, image, LatticeShape { pattern, level: self.level })[1];
+        Self { origin: [origin[0] >> self.level, row], height: self.height.min(rows - row), ..self }
+    }
 }
 
 /// `DaaStep` of lattice.wgsl.
@@ -83,6 +109,14 @@ pub(crate) struct StepUniform {
     pub rays: u32,
     pub found: u32,
     pub padding: [u32; 3],
+}
+
+impl StepUniform {
+    /// The step over the part of an image that begins at the pixel `origin`.
+    pub fn placed(self, origin: [u32; 2], image: [u32; 2]) -> Self {
+        let [points, parents] = [self.points, self.parents].map(|lattice| lattice.placed(origin, image));
+        Self { points, parents, ..self }
+    }
 }
 
 /// A step of a frame: from the next coarser lattice to this one.
@@ -125,18 +159,18 @@ pub(crate) struct LatticeSteps {
 }
 
 impl LatticeSteps {
-    /// Lays out the lattices of a frame. `rays` has bit 0 for shadows and bit 1 for reflections and refractions; with 0
+    /// Lays out the lattices of a frame over `size` pixels, which are `image` or a part of it. `rays` has bit 0 for shadows and bit 1 for reflections and refractions; with 0
     /// there are no lattices for rays.
-    pub fn new(settings: &MultiResolution, size: [u32; 2], rays: u32) -> Self {
+    pub fn new(settings: &MultiResolution, size: [u32; 2], image: [u32; 2], rays: u32) -> Self {
         let mut made = Self { steps: Default::default(), points: [0; 2] };
         // The image is taken from the lattice of pixels, which lies before all others.
-        let [width, height] = points(size, LatticeShape { pattern: Pattern::Quad, level: 0 });
+        let [width, height] = points(size, image, LatticeShape { pattern: Pattern::Quad, level: 0 });
         made.points[0] = width * height;
         for of in LatticeUse::ALL {
             let mut parents: Option<LatticeUniform> = None;
             for level in levels(settings, of).filter(|_| of == LatticeUse::Shading || rays != 0) {
                 let shape = shape(settings, of, level);
-                let [width, height] = points(size, shape);
+                let [width, height] = points(size, image, shape);
                 let lattice = LatticeUniform {
                     kind: shape.pattern as u32,
                     level: shape.level,
@@ -144,7 +178,7 @@ impl LatticeSteps {
                     height,
                     first: if (of, level) == (LatticeUse::Shading, Level::Pixels) { 0 } else { made.points[0] },
                     place: level as u32,
-                    padding: [0; 2],
+                    origin: [0; 2],
                 };
                 if lattice.first > 0 {
                     made.points[0] += width * height;
@@ -180,6 +214,11 @@ impl LatticeSteps {
         &self.steps[step.of as usize][step.level as usize]
     }
 
+    /// Whether any of the lattices has this pattern.
+    pub fn has(&self, pattern: Pattern) -> bool {
+        self.steps.as_flattened().iter().any(|step| step.points.width > 0 && step.points.kind == pattern as u32)
+    }
+
     /// The bytes of the points, and of their colours.
     pub fn bytes(&self) -> [u64; 2] {
         [u64::from(2 * self.points[0] - self.points[1]) * 16, u64::from(self.points[1]) * 16]
@@ -187,10 +226,12 @@ impl LatticeSteps {
 }
 
 /// The number of columns and rows of a lattice: enough that the lattice has all parents of every point, and all
-/// neighbours of these.
-pub(crate) fn points(size: [u32; 2], shape: LatticeShape) -> [u32; 2] {
+/// neighbours of these. `size` is that of the image or of a part of it.
+pub(crate) fn points(size: [u32; 2], image: [u32; 2], shape: LatticeShape) -> [u32; 2] {
+    // The rows of a part may begin up to one row of the coarsest lattice above it.
+    let above = if size == image { 0 } else { u64::from(TILE) };
     let rows = match shape.pattern {
-        Pattern::Equilateral => (u64::from(size[1]) * 65536).div_ceil(u64::from(EQUILATERAL_ROW)) as u32,
+        Pattern::Equilateral => ((u64::from(size[1]) + above) * 65536).div_ceil(u64::from(EQUILATERAL_ROW)) as u32,
         Pattern::Quad | Pattern::Triangular => size[1],
     };
     let mut points = [size[0] + 1, rows + 1];
