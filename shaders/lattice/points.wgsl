@@ -27,6 +27,8 @@ fn daa_points_main(@builtin(global_invocation_id) id: vec3u, @builtin(local_invo
         for (var i = 0u; i < 64u; i++) {
             sum += daa_group_points[i];
         }
-        atomicAdd(&daa_statistics.points[l.place], sum);
+        if sum != 0u {
+            atomicAdd(&daa_statistics.points[l.place], sum);
+        }
     }
 }

@@ -4,56 +4,11 @@
 @group(3) @binding(0) var daa_first: texture_2d<f32>;
 @group(3) @binding(1) var<storage, read_write> daa_counts: array<u32>;
 
-/// The depths of the window and of a border of one sample around it, (m + 2)² in reading order; 0 for the sky. They are
-/// read once, for three metrics.
-var<private> daa_depths: array<f32, 100>;
-
-fn daa_read_depths(corner: vec2i) {
+/// The depth of a sample, beyond the image that of its border; 0 for the sky.
+fn daa_depth(at: vec2i) -> f32 {
     let last = vec2i(daa_frame.size * DAA_M) - 1;
-    for (var y = 0; y < i32(DAA_M) + 2; y++) {
-        for (var x = 0; x < i32(DAA_M) + 2; x++) {
-            let at = clamp(corner + vec2i(x, y) - 1, vec2i(0), last);
-            let d = daa_depth_at(vec2u(at));
-            daa_depths[y * (i32(DAA_M) + 2) + x] = select(0.0, d, d > DAA_SKY_DEPTH);
-        }
-    }
-}
-
-/// The depth of a sample, −1 ≤ x, y ≤ m.
-fn daa_depth(x: i32, y: i32) -> f32 {
-    return daa_depths[(y + 1) * (i32(DAA_M) + 2) + x + 1];
-}
-
-/// Whether no sample of the window has a surface.
-fn daa_all_sky() -> bool {
-    var nearest = 0.0;
-    for (var y = 0; y < i32(DAA_M); y++) {
-        for (var x = 0; x < i32(DAA_M); x++) {
-            nearest = max(nearest, daa_depth(x, y));
-        }
-    }
-    return nearest == 0.0;
-}
-
-/// The variance of the window's depths over their squared mean. Depths are shifted by the first one, since E[d²] −
-/// E[d]² cancels far from zero (Chan, Golub, LeVeque 1983). They are those of the reversed-z buffer, which are linear
-/// in screen space.
-fn daa_depth_variance() -> f32 {
-    let shift = daa_depth(0, 0);
-    var sum = 0.0;
-    var sum_of_squares = 0.0;
-    for (var y = 0; y < i32(DAA_M); y++) {
-        for (var x = 0; x < i32(DAA_M); x++) {
-            let v = daa_depth(x, y) - shift;
-            sum += v;
-            sum_of_squares += v * v;
-        }
-    }
-    let mean = sum / f32(DAA_M * DAA_M);
-    let variance = max(sum_of_squares / f32(DAA_M * DAA_M) - mean * mean, 0.0);
-    let reference = shift + mean;
-    // Divided twice, since the square of a small depth may be a denormal.
-    return select(0.0, variance / reference / reference, reference > DAA_SKY_DEPTH);
+    let d = daa_depth_at(vec2u(clamp(at, vec2i(0), last)));
+    return select(0.0, d, d > DAA_SKY_DEPTH);
 }
 
 /// The depth step between two neighbours (b, c) that the plane on neither side explains, over the depth of the nearer
@@ -65,73 +20,115 @@ fn daa_depth_step(a: f32, b: f32, c: f32, d: f32) -> f32 {
     return select(0.0, step / nearer, nearer > 0.0);
 }
 
+/// The values that one walk over the window's samples, in reading order, adds up. No sample is kept: GPUs hold arrays
+/// that are indexed at run time in memory, so that it is faster to read a few texels twice.
+struct DaaWindow {
+    /// Number of samples with a surface.
+    covered: f32,
+    /// The first depth, and the sums of all depths' differences to it and of their squares.
+    depth: f32,
+    sum: f32,
+    sum_of_squares: f32,
+    /// The greatest depth step between neighbours in a row.
+    step: f32,
+    /// Sum of the normals. The sky has none.
+    normals: vec3f,
+    /// The least and the greatest code of a normal.
+    codes: vec2u,
+    /// The least and the greatest identity, the sky's included.
+    identities: vec2u,
+}
+
+fn daa_window(corner: vec2i) -> DaaWindow {
+    var w: DaaWindow;
+    w.depth = daa_depth(corner);
+    w.codes = vec2u(0xffffffffu, 0u);
+    w.identities = vec2u(0xffffffffu, 0u);
+    for (var y = 0; y < i32(DAA_M); y++) {
+        var a = daa_depth(corner + vec2i(-1, y));
+        var b = daa_depth(corner + vec2i(0, y));
+        var c = daa_depth(corner + vec2i(1, y));
+        for (var x = 0; x < i32(DAA_M); x++) {
+            let valid = b > 0.0;
+            w.covered += f32(valid);
+            let v = b - w.depth;
+            w.sum += v;
+            w.sum_of_squares += v * v;
+            let surface = daa_surface_at(vec2u(corner + vec2i(x, y)));
+            w.normals += select(vec3f(0.0), daa_octahedral_decode(unpack2x16snorm(surface.x)), valid);
+            w.codes.x = select(w.codes.x, min(w.codes.x, surface.x), valid);
+            w.codes.y = select(w.codes.y, max(w.codes.y, surface.x), valid);
+            w.identities = vec2u(min(w.identities.x, surface.y), max(w.identities.y, surface.y));
+            if x < i32(DAA_M) - 1 {
+                let d = daa_depth(corner + vec2i(x + 2, y));
+                w.step = max(w.step, daa_depth_step(a, b, c, d));
+                a = b;
+                b = c;
+                c = d;
+            }
+        }
+    }
+    return w;
+}
+
 /// The greatest depth step between neighbours in the window.
-fn daa_depth_discontinuity() -> f32 {
-    var greatest = 0.0;
-    for (var i = 0; i < i32(DAA_M); i++) {
-        for (var j = 0; j < i32(DAA_M) - 1; j++) {
-            let row = daa_depth_step(daa_depth(j - 1, i), daa_depth(j, i), daa_depth(j + 1, i), daa_depth(j + 2, i));
-            let column = daa_depth_step(daa_depth(i, j - 1), daa_depth(i, j), daa_depth(i, j + 1), daa_depth(i, j + 2));
-            greatest = max(greatest, max(row, column));
+fn daa_depth_discontinuity(corner: vec2i, w: DaaWindow) -> f32 {
+    var greatest = w.step;
+    for (var x = 0; x < i32(DAA_M); x++) {
+        var a = daa_depth(corner + vec2i(x, -1));
+        var b = daa_depth(corner + vec2i(x, 0));
+        var c = daa_depth(corner + vec2i(x, 1));
+        for (var y = 2; y < i32(DAA_M) + 1; y++) {
+            let d = daa_depth(corner + vec2i(x, y));
+            greatest = max(greatest, daa_depth_step(a, b, c, d));
+            a = b;
+            b = c;
+            c = d;
         }
     }
     return greatest;
 }
 
-/// The normals of the window; zero for the sky.
-var<private> daa_normals: array<vec3f, 64>;
+/// The variance of the window's depths over their squared mean. Depths are shifted by the first one, since E[d²] −
+/// E[d]² cancels far from zero (Chan, Golub, LeVeque 1983). They are those of the reversed-z buffer, which are linear
+/// in screen space.
+fn daa_depth_variance(w: DaaWindow) -> f32 {
+    let mean = w.sum / f32(DAA_M * DAA_M);
+    let variance = max(w.sum_of_squares / f32(DAA_M * DAA_M) - mean * mean, 0.0);
+    let reference = w.depth + mean;
+    // Divided twice, since the square of a small depth may be a denormal.
+    return select(0.0, variance / reference / reference, reference > DAA_SKY_DEPTH);
+}
 
 /// √(1 − min n̄·n) over the window's normals. It is computed by chords, 1 − n̄·n = |n̄ − n|²/2, which is precise at
-/// small angles. For normals that cancel it is 2, more than any cone. The sky has no normal.
-fn daa_normal_cone(corner: vec2u) -> f32 {
-    var sum = vec3f(0.0);
-    var count = 0.0;
-    var least = 0xffffffffu;
-    var most = 0u;
-    for (var y = 0u; y < DAA_M; y++) {
-        for (var x = 0u; x < DAA_M; x++) {
-            let code = daa_surface_at(corner + vec2u(x, y)).x;
-            let valid = daa_depth(i32(x), i32(y)) > 0.0;
-            let n = select(vec3f(0.0), daa_octahedral_decode(unpack2x16snorm(code)), valid);
-            least = select(least, min(least, code), valid);
-            most = select(most, max(most, code), valid);
-            daa_normals[y * DAA_M + x] = n;
-            sum += n;
-            count += f32(valid);
-        }
-    }
-    if least >= most {
+/// small angles. For normals that cancel it is 2, more than any cone.
+fn daa_normal_cone(corner: vec2u, w: DaaWindow) -> f32 {
+    if w.codes.x >= w.codes.y {
         return 0.0;
     }
-    let length_of_mean = length(sum) / count;
+    let length_of_mean = length(w.normals) / w.covered;
     if length_of_mean < 1e-3 {
         return 2.0;
     }
-    let mean = sum / (length_of_mean * count);
+    let mean = w.normals / (length_of_mean * w.covered);
     let two_sided = daa_flag(DAA_FLAG_TWO_SIDED);
     var greatest = 0.0;
-    for (var i = 0u; i < DAA_M * DAA_M; i++) {
-        let n = daa_normals[i];
-        let apart = mean - n;
-        let other = mean + n;
-        let squared = select(dot(apart, apart), min(dot(apart, apart), dot(other, other)), two_sided);
-        greatest = max(greatest, select(squared, 0.0, all(n == vec3f(0.0))));
+    for (var y = 0u; y < DAA_M; y++) {
+        for (var x = 0u; x < DAA_M; x++) {
+            let at = corner + vec2u(x, y);
+            let n = daa_octahedral_decode(unpack2x16snorm(daa_surface_at(at).x));
+            let apart = mean - n;
+            let other = mean + n;
+            let squared = select(dot(apart, apart), min(dot(apart, apart), dot(other, other)), two_sided);
+            greatest = max(greatest, select(0.0, squared, daa_depth_at(at) > DAA_SKY_DEPTH));
+        }
     }
     return sqrt(greatest * 0.5);
 }
 
 /// Whether the window has more than one material or object. The sky counts as one.
-fn daa_mixed_identity(corner: vec2u) -> bool {
-    let identity = daa_identity_at(corner);
-    let sky = daa_depth(0, 0) > 0.0;
-    var mixed = false;
-    for (var y = 0u; y < DAA_M; y++) {
-        for (var x = 0u; x < DAA_M; x++) {
-            mixed = mixed || daa_identity_at(corner + vec2u(x, y)) != identity;
-            mixed = mixed || (daa_depth(i32(x), i32(y)) > 0.0) != sky;
-        }
-    }
-    return mixed;
+fn daa_mixed_identity(w: DaaWindow) -> bool {
+    return w.identities.x != w.identities.y || (w.covered > 0.0 && w.covered < f32(DAA_M * DAA_M));
 }
 
 /// Whether the window's first sample has other shadow bits than that of a direct neighbour. The sky is ignored.
@@ -185,32 +182,32 @@ fn daa_metrics_main(
     let corner = id.xy * DAA_M;
     var k = 1.0;
     var by = DAA_BY_NOTHING;
-    daa_read_depths(vec2i(corner));
+    let window = daa_window(vec2i(corner));
     if daa_frame.windowed.depth_scale > 0.0 {
         var depth = 0.0;
         if daa_flag(DAA_FLAG_DEPTH_PLANE) {
-            depth = daa_depth_discontinuity();
+            depth = daa_depth_discontinuity(vec2i(corner), window);
         } else {
-            depth = daa_depth_variance();
+            depth = daa_depth_variance(window);
         }
         let wanted = daa_frame.windowed.depth_scale * depth;
         by = select(by, DAA_BY_DEPTH, wanted > k);
         k = max(k, wanted);
     }
     if daa_frame.windowed.normal_scale > 0.0 {
-        let cone = daa_normal_cone(corner);
+        let cone = daa_normal_cone(corner, window);
         let wanted = select(daa_frame.windowed.normal_scale * cone, n, cone > 1.9);
         by = select(by, DAA_BY_NORMAL, wanted > k);
         k = max(k, wanted);
     }
     // A window of nothing but sky has no edge, however steep its gradient is.
-    let all_sky = daa_all_sky();
+    let all_sky = window.covered == 0.0;
     if daa_frame.windowed.luminance_scale > 0.0 && !all_sky {
         let wanted = daa_frame.windowed.luminance_scale * daa_luminance_range(vec2i(id.xy));
         by = select(by, DAA_BY_LUMINANCE, wanted > k);
         k = max(k, wanted);
     }
-    if daa_frame.windowed.identity_samples > 0.0 && daa_mixed_identity(corner) {
+    if daa_frame.windowed.identity_samples > 0.0 && daa_mixed_identity(window) {
         let wanted = daa_frame.windowed.identity_samples;
         by = select(by, DAA_BY_IDENTITY, wanted > k);
         k = max(k, wanted);

@@ -10,12 +10,13 @@
 
 /// The shaded samples of the tile's windows and of the windows around it, 10 × 10.
 var<workgroup> daa_near: array<DaaGeometry, 100>;
-var<workgroup> daa_counts: array<u32, 64>;
+/// Their colours; in each round, the colours of the samples that it shades.
+var<workgroup> daa_colors: array<vec4f, 100>;
+/// The number of samples that the tile shades.
+var<workgroup> daa_queued: atomic<u32>;
 var<workgroup> daa_total: u32;
-/// The samples that a round shades, one for each lane: window (6 bits) | rank (6 bits) | k (8 bits). Their colours
-/// follow in `daa_round_colors`.
+/// The samples that a round shades, one for each lane: window (6 bits) | rank (6 bits) | k (8 bits).
 var<workgroup> daa_round: array<u32, 64>;
-var<workgroup> daa_round_colors: array<vec4f, 64>;
 
 /// The weighted sum of the shaded samples of 3 × 3 windows around a geometric sample.
 struct DaaReconstructed {
@@ -36,8 +37,9 @@ fn daa_reconstruct_sample(pixel: vec2u, i: DaaGeometry) -> DaaReconstructed {
         if any(at < vec2i(0)) || any(at > last) {
             continue;
         }
-        let w = daa_reconstruct_weight(i, daa_near[(local.y + step.y) * 10 + local.x + step.x]);
-        r.sum += textureLoad(daa_first, at, 0) * w;
+        let near = (local.y + step.y) * 10 + local.x + step.x;
+        let w = daa_reconstruct_weight(i, daa_near[near]);
+        r.sum += daa_colors[near] * w;
         r.weight += w;
     }
     return r;
@@ -62,8 +64,9 @@ fn daa_contrast_samples(pixel: vec2u, own: DaaGeometry, own_color: vec4f) -> u32
         let step = select(vec2i(i - 2, 0), vec2i(0, i - 1), (i & 1) == 0);
         let at = clamp(vec2i(pixel) + step, vec2i(0), last);
         let beside = at - vec2i(pixel) + vec2i(pixel & vec2u(7u)) + 1;
-        if daa_reconstruct_weight(own, daa_near[beside.y * 10 + beside.x]) >= 0.5 {
-            let l = daa_shown_luminance(textureLoad(daa_first, at, 0));
+        let near = beside.y * 10 + beside.x;
+        if daa_reconstruct_weight(own, daa_near[near]) >= 0.5 {
+            let l = daa_shown_luminance(daa_colors[near]);
             least = min(least, l);
             most = max(most, l);
         }
@@ -87,6 +90,12 @@ fn daa_reconstruct_main(@builtin(workgroup_id) tile: vec3u, @builtin(local_invoc
     for (var i = i32(lane); i < 100; i += 64) {
         let at = clamp(vec2i(tile.xy) * 8 + vec2i(i % 10, i / 10) - 1, vec2i(0), last);
         daa_near[i] = daa_geometry(vec2u(at), 0u);
+        daa_colors[i] = textureLoad(daa_first, at, 0);
+    }
+    // With the host's code, workgroup memory is not initialised to 0.
+    atomicStore(&daa_group_histogram[lane], 0u);
+    if lane == 0u {
+        atomicStore(&daa_queued, 0u);
     }
     workgroupBarrier();
 
@@ -94,7 +103,8 @@ fn daa_reconstruct_main(@builtin(workgroup_id) tile: vec3u, @builtin(local_invoc
     let inside = daa_is_shown(pixel);
     let n = DAA_M * DAA_M;
     let own_first = daa_flag(DAA_FLAG_OWN_FIRST);
-    let own_color = textureLoad(daa_first, min(pixel, daa_frame.size - 1u), 0);
+    let own_place = (lane / 8u + 1u) * 10u + lane % 8u + 1u;
+    let own_color = daa_colors[own_place];
     // Of the first k ranks, those on the window's own surface are shaded.
     var k = 1u;
     var shaded = vec2u(0u);
@@ -102,7 +112,7 @@ fn daa_reconstruct_main(@builtin(workgroup_id) tile: vec3u, @builtin(local_invoc
     var reflections_on_own = vec4f(0.0);
     var others = DaaMean();
     if inside {
-        let own = daa_near[(lane / 8u + 1u) * 10u + lane % 8u + 1u];
+        let own = daa_near[own_place];
         k = daa_contrast_samples(pixel, own, own_color);
         for (var rank = 0u; rank < daa_frame.reconstruct.samples; rank++) {
             let i = daa_geometry(pixel, rank);
@@ -127,16 +137,20 @@ fn daa_reconstruct_main(@builtin(workgroup_id) tile: vec3u, @builtin(local_invoc
         }
     }
 
-    // The tile's samples are shaded end to end, 64 in a round, so that no lane waits for another.
+    // The tile's samples are shaded end to end, 64 in a round, so that no lane waits for another. Their order is that in
+    // which lanes come here; it does not matter, since each lane adds up its own samples by rank.
     let count = countOneBits(shaded.x) + countOneBits(shaded.y);
-    daa_counts[lane] = count;
-    workgroupBarrier();
     var next = 0u;
-    for (var i = 0u; i < lane; i++) {
-        next += daa_counts[i];
+    if count > 0u {
+        next = atomicAdd(&daa_queued, count);
     }
-    if lane == 63u {
-        daa_total = next + count;
+    if inside {
+        atomicAdd(&daa_group_histogram[count], 1u);
+    }
+    workgroupBarrier();
+    daa_add_histogram(lane);
+    if lane == 0u {
+        daa_total = atomicLoad(&daa_queued);
     }
     let total = workgroupUniformLoad(&daa_total);
     var own_mean = daa_weighted(DaaMean(), own_color);
@@ -151,12 +165,12 @@ fn daa_reconstruct_main(@builtin(workgroup_id) tile: vec3u, @builtin(local_invoc
         if done + lane < total {
             let entry = daa_round[lane];
             let window = tile.xy * 8u + vec2u(entry & 7u, (entry >> 3u) & 7u);
-            daa_round_colors[lane] = daa_shade_sample(window, (entry >> 6u) & 63u, entry >> 12u);
+            daa_colors[lane] = daa_shade_sample(window, (entry >> 6u) & 63u, entry >> 12u);
         }
         workgroupBarrier();
         for (; next < done + 64u && any(shaded != vec2u(0u)); next++) {
             let rank = daa_least(shaded);
-            let c = daa_round_colors[next - done];
+            let c = daa_colors[next - done];
             if daa_has(on_own, rank) {
                 own_mean = daa_weighted(own_mean, c);
             } else {
@@ -173,5 +187,4 @@ fn daa_reconstruct_main(@builtin(workgroup_id) tile: vec3u, @builtin(local_invoc
     let mean = DaaMean(others.sum + all_own.sum * of_own, others.weight + all_own.weight * of_own);
     textureStore(daa_color, pixel, daa_mean_finish(mean));
     daa_plan[daa_tile_index(tile.xy) * 64u + lane] = daa_plan_word(count + 1u, DAA_BY_NOTHING, 0u);
-    atomicAdd(&daa_statistics.histogram[count], 1u);
 }

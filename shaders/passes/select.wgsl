@@ -25,7 +25,7 @@ const DAA_NO_OBJECT: u32 = 0xffffffffu;
 /// refracts the normal, the object, the shadow, and whether it has a texture.
 struct DaaSeen {
     color: vec3f,
-    hits: array<vec4u, 3>,
+    hits: array<vec4u, DAA_KINDS>,
 }
 
 /// The pixels of the tile and those around it, 10 × 10.

@@ -234,7 +234,11 @@ fn daa_reflect_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocati
         for (var i = 0u; i < 64u; i++) {
             sum += daa_group_rays[i];
         }
-        atomicAdd(&daa_statistics.reflection_rays, sum.x);
-        atomicAdd(&daa_statistics.refraction_rays, sum.y);
+        if sum.x != 0u {
+            atomicAdd(&daa_statistics.reflection_rays, sum.x);
+        }
+        if sum.y != 0u {
+            atomicAdd(&daa_statistics.refraction_rays, sum.y);
+        }
     }
 }

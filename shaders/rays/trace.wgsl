@@ -77,6 +77,8 @@ fn daa_trace_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation
         for (var i = 0u; i < 64u; i++) {
             sum += daa_group_rays[i];
         }
-        atomicAdd(&daa_statistics.shadow_rays, sum);
+        if sum != 0u {
+            atomicAdd(&daa_statistics.shadow_rays, sum);
+        }
     }
 }

@@ -8,7 +8,13 @@ use crate::wgsl::chunk;
 static MODULE: Module = Module {
     name: "reconstruct",
     base: Base::Shading,
-    chunks: &[chunk::RANKS, chunk::BILATERAL, chunk::DISPLAY, include_str!("../../shaders/passes/reconstruct.wgsl")],
+    chunks: &[
+        chunk::RANKS,
+        chunk::BILATERAL,
+        chunk::DISPLAY,
+        chunk::HISTOGRAM,
+        include_str!("../../shaders/passes/reconstruct.wgsl"),
+    ],
 };
 
 pub(crate) static RECONSTRUCT: PassData = PassData {
