@@ -386,7 +386,10 @@ const WHITE: Shading<'_> = Shading { source: crate::harness::WHITE, file: "test.
 
 #[test]
 fn a_scene_that_does_not_serve_is_refused() {
-    let descriptor = Descriptor { gbuffer: GBufferTier::Visibility(Ids::Wide), ..Descriptor::new(FORMAT, WHITE) };
+    let descriptor = Descriptor {
+        gbuffer: GBufferTier::Visibility(Ids::Narrow { triangle_bits: 1 }),
+        ..Descriptor::new(FORMAT, WHITE)
+    };
     let gpu = Gpu::new(adapter(), &descriptor).expect("a device");
     let (device, queue) = (&gpu.device, &gpu.queue);
     let mut aa = DeferredAa::new(device, &descriptor, None).expect("a node");
