@@ -300,6 +300,7 @@ impl DeferredAa {
             target_format: self.build().target_format,
             gbuffer: self.build().gbuffer,
             inputs,
+            ranks: technique.casting_ranks(settings, self.build().m),
             hits: technique.reads_hits(),
             rays: settings.view == DebugView::Rays,
             lattices: technique.lattices(settings, size, image, inputs),

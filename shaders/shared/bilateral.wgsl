@@ -43,7 +43,9 @@ fn daa_reconstruct_weight(i: DaaGeometry, j: DaaGeometry) -> f32 {
         // The sine of the angle at which j rises from i's plane, which is 0 on one plane however slanted it is, and the
         // chord between the normals.
         let way = j.position - i.position;
-        apart = dot(way, i.normal) * inverseSqrt(max(dot(way, way), 1e-30));
+        // Two ways of computing one position differ by rounding, whose direction means nothing.
+        let least = 1e-6 * i.depth;
+        apart = dot(way, i.normal) * inverseSqrt(max(dot(way, way), max(least * least, 1e-30)));
         let chord = j.normal - i.normal;
         bent = sqrt(dot(chord, chord));
     }

@@ -262,11 +262,7 @@ impl SizedResources {
         // that may have no point of their own.
         let all = shape.lattices.is_some_and(|lattices| lattices.has(Pattern::Equilateral));
         if let Some(shadows) = self.buffer(Part::Shadows).filter(|_| shape.inputs.shadows) {
-            encoder.clear_buffer(
-                shadows,
-                0,
-                Some(if all { sample_bytes(shape.size, shape.m) } else { plan_bytes(shape.size) }),
-            );
+            encoder.clear_buffer(shadows, 0, Some(if all { shape.result_bytes() } else { plan_bytes(shape.size) }));
             if shape.rays {
                 let bytes = sample_bytes(shape.size, shape.m);
                 encoder.clear_buffer(shadows, bytes, Some(bytes));
@@ -274,7 +270,8 @@ impl SizedResources {
         }
         // The code 0 means that nothing was traced.
         if let Some(reflections) = self.buffer(Part::Reflections).filter(|_| shape.inputs.reflections) {
-            encoder.clear_buffer(reflections, 0, None);
+            let bytes = if shape.rays { reflections.size() } else { shape.bytes(Part::Reflections) };
+            encoder.clear_buffer(reflections, 0, Some(bytes));
         }
     }
 

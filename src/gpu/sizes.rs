@@ -40,6 +40,8 @@ pub(crate) struct Shape {
     pub target_format: wgpu::TextureFormat,
     pub gbuffer: GBufferTier,
     pub inputs: RayInputs,
+    /// The number of ranks of a window whose ray results are kept, the first ones.
+    pub ranks: u32,
     /// Whether the hits of the rays of first samples are kept.
     pub hits: bool,
     /// Whether the number of rays of each sample is kept.
@@ -148,25 +150,35 @@ impl Shape {
         }
     }
 
-    /// The greatest size at which an existing part is kept. Room for hits stays, since frames of several techniques may
-    /// alternate; room for counts of rays is freed.
+    /// The greatest size at which an existing part is kept. Room for hits and for all ranks stays, since frames of
+    /// several techniques may alternate; room for counts of rays is freed.
     pub fn most(&self, part: Part) -> u64 {
+        let most = Self { hits: true, ranks: self.m * self.m, ..*self };
         match part {
-            Part::Shadows | Part::Reflections if !self.rays => Self { hits: true, ..*self }.bytes(part),
+            Part::Shadows | Part::Reflections if !self.rays => most.bytes(part),
             _ => u64::MAX,
         }
     }
 
-    /// The bytes of the shadow bits, and of the counts of rays after them.
+    /// The bytes of a word for each sample whose ray results are kept.
+    pub fn result_bytes(&self) -> u64 {
+        plan_bytes(self.size) * u64::from(self.ranks)
+    }
+
+    /// The bytes of the shadow bits, and of the counts of rays, which lie after those of all ranks.
     fn shadow_bytes(&self) -> u64 {
-        sample_bytes(self.size, self.m) * if self.rays { 2 } else { 1 }
+        if self.rays { 2 * sample_bytes(self.size, self.m) } else { self.result_bytes() }
     }
 
     /// The bytes of the reflected and refracted radiance, of the hits of first samples, and of the counts of rays.
     /// Counts lie after the room for hits, whether or not hits are kept.
     fn reflection_bytes(&self) -> u64 {
-        let hits = if self.hits || self.rays { plan_bytes(self.size) * HIT_WORDS } else { 0 };
-        self.shadow_bytes() + hits
+        let hits = plan_bytes(self.size) * HIT_WORDS;
+        match (self.rays, self.hits) {
+            (true, _) => 2 * sample_bytes(self.size, self.m) + hits,
+            (false, true) => sample_bytes(self.size, self.m) + hits,
+            (false, false) => self.result_bytes(),
+        }
     }
 }
 

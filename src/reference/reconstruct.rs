@@ -200,7 +200,7 @@ pub(super) fn weight(settings: &Reconstructed, i: &Geometry, j: &Geometry) -> f6
     }
     let (apart, bent) = if settings.planes {
         let way = j.position - i.position;
-        (way.dot(i.normal) / way.length().max(1e-15), (j.normal - i.normal).length())
+        (way.dot(i.normal) / way.length().max(1e-6 * i.depth).max(1e-15), (j.normal - i.normal).length())
     } else {
         ((j.depth - i.depth) / i.depth, 1.0 - i.normal.dot(j.normal).clamp(0.0, 1.0))
     };

@@ -95,6 +95,11 @@ pub(crate) trait Method: Sync {
         None
     }
 
+    /// The number of ranks of a window that may cast rays: the first ones.
+    fn casting_ranks(&self, _settings: &Settings, m: u32) -> u32 {
+        m * m
+    }
+
     /// How far around a pixel its passes read what lies in other pixels, in pixels. A band is rastered so much further
     /// than it is shown.
     fn apron(&self, _settings: &Settings, _inputs: RayInputs) -> u32 {

@@ -58,6 +58,10 @@ impl Method for Reconstructed {
         1
     }
 
+    fn casting_ranks(&self, settings: &Settings, m: u32) -> u32 {
+        settings.reconstructed.samples(m)
+    }
+
     fn order(&self, settings: &Settings, m: u32) -> Vec<(u8, u8)> {
         if settings.reconstructed.rotated_grid { window::rotated(m) } else { window::order(m) }
     }

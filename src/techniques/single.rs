@@ -26,6 +26,10 @@ impl Method for Single {
             .then(image_or_view(settings, &shown))
     }
 
+    fn casting_ranks(&self, _: &Settings, _: u32) -> u32 {
+        1
+    }
+
     fn shaded(&self, _: &Settings, _: u32, _: PlanWord) -> Option<Vec<usize>> {
         Some(vec![0])
     }

@@ -125,3 +125,19 @@ fn shadows_alone_are_not_refused_for_the_room_of_reflections() {
     let refused = outcome(Settings { reflections: Effect::On, ..shadows }).expect_err("more than the device binds");
     assert!(matches!(refused, RecordError::Traces { bytes: 134_650_880, .. }), "{refused}");
 }
+
+/// What a frame keeps of its rays is as much as its samples may send.
+#[test]
+fn single_keeps_a_sixteenth_of_what_full_keeps() {
+    let scene = builtin::builtin("shadows").unwrap();
+    let camera = scene.default_camera();
+    let kept = |technique| {
+        let mut host = crate::shadows::host(scene.clone(), 4, [32, 18]);
+        host.frame(&camera, Settings { technique, ..Default::default() }).unwrap();
+        host.aa.intermediates().and_then(|passed| passed.shadows).expect("shadows").size()
+    };
+    let full = kept(Technique::Full);
+    assert_eq!(kept(Technique::Single) * 16, full);
+    assert!(kept(Technique::Reconstructed) * 2 <= full);
+    assert_eq!(kept(Technique::Windowed), full);
+}

@@ -361,7 +361,11 @@ fn row_07_no_value_overflows_a_half_float() {
                     let wanted = values[i % values.len()].min(most);
                     let step = if format == TextureFormat::Rgba8Unorm { 0.003 } else { wanted * 1e-3 + 6e-8 };
                     let (r, a) = (pixel[0], pixel[3]);
-                    assert!((r - wanted).abs() <= step && a == 1.0, "{format:?}, {settings:?}: {pixel:?} for {wanted}");
+                    // A quotient may be 2.5 units of the last place off, and be cut to a half.
+                    assert!(
+                        (r - wanted).abs() <= step && (a - 1.0).abs() <= 5e-4,
+                        "{format:?}, {settings:?}: {pixel:?} for {wanted}"
+                    );
                 }
             }
         }
@@ -393,7 +397,8 @@ fn row_07_the_ends_of_exposure_give_numbers() {
                     // All samples of a pixel are alike: so is any weighted mean of them.
                     let expected = value(i % 10, i / 10);
                     let what = format!("exposure {exposure:e}, {settings:?}, pixel {i}: {pixel:?} for {expected:e}");
-                    assert!((pixel[0] - expected).abs() <= 1e-5 * expected + 1e-29 && pixel[3] == 1.0, "{what}");
+                    let opaque = (pixel[3] - 1.0).abs() <= 3e-7;
+                    assert!((pixel[0] - expected).abs() <= 1e-5 * expected + 1e-29 && opaque, "{what}");
                 }
                 if technique == Technique::Windowed {
                     assert!(output.plan.iter().all(|p| (4..=9).contains(&p.0)), "exposure {exposure:e}, {settings:?}");
@@ -658,7 +663,8 @@ fn row_11_degenerate_gradients_read_a_sane_mip() {
         (zero, zero, 0.0..0.01),
         (Vec2::new(1e-38, 0.0), Vec2::new(0.0, -1e-40), 0.0..0.01),
         (Vec2::new(8.0 / 512.0, 0.0), zero, 0.0..3.1),
-        (Vec2::splat(8.0 / 512.0), Vec2::splat(8.0 / 512.0), 0.0..3.7),
+        // Along a diagonal, drivers approximate the length.
+        (Vec2::splat(8.0 / 512.0), Vec2::splat(8.0 / 512.0), 0.0..4.1),
         (Vec2::splat(1e3), Vec2::splat(-1e3), 8.9..9.1),
         (Vec2::splat(1e30), Vec2::splat(-1e30), 8.9..9.1),
         (Vec2::splat(65504.0), Vec2::new(0.0, 65520.0), 8.9..9.1),
