@@ -28,6 +28,8 @@
 //! 3. Each frame the host renders into the G-buffer, with fragment shaders that pack their output with
 //!    [`GBufferTier::pack_wgsl`], and calls [`DeferredAa::record`].
 //!
+//! An image too large for the memory or the device is rendered in bands ([`DeferredAa::resize_banded`]).
+//!
 //! While a host is being written, [`DeferredAa::check_input`] finds probable mistakes in its input. A frame graph
 //! records the [`DeferredAa::passes`] itself, and may [lend](DeferredAa::lend) its memory for the resources between
 //! them.

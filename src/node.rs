@@ -1,5 +1,6 @@
 //! The node that a host creates, resizes and records.
 
+use crate::TILE;
 use crate::goal::Controller;
 use crate::gpu::bands::Layout;
 use crate::gpu::binding::{Slot, frame_layout};
@@ -204,13 +205,13 @@ impl DeferredAa {
     ///
     /// For each band in turn the host rasters [`Band::raster`] into the [`gbuffer`](Self::gbuffer), with the projection
     /// of [`Band::crop`] or the viewport of [`Band::viewport`], and records a frame that has the band as
-    /// [`Frame::band`]. The image equals that of a single frame bit for bit, if the samples do. A frame that has one
-    /// target, and is submitted band by band or as a whole, is complete after its last band; then its statistics are
-    /// read back, too, and the effort of a goal may move.
+    /// [`Frame::band`]. Between two submits there may be up to 64 bands. The image equals that of a single frame bit for
+    /// bit, if the samples do. It is complete after the last band; then its statistics are read back, too, and the
+    /// effort of a goal may move.
     ///
     /// A call with the same arguments as the last one does nothing; call it before every frame whose settings or needs
-    /// may have changed. Not counted are [`Lent`] memory, the host's own resources and those of a
-    /// [`RayScene`], and what wgpu and the driver add. If it fails, the node keeps its former size and resources.
+    /// may have changed. Other bands withdraw all [loans](Self::lend). Not counted are the host's own resources, those of
+    /// a [`RayScene`], and what wgpu and the driver add. If it fails, the node keeps its former size and resources.
     pub fn resize_banded(
         &mut self,
         device: &wgpu::Device,
@@ -232,7 +233,7 @@ impl DeferredAa {
         let within = Within {
             limit,
             apron,
-            shape: self.shape(Layout { image, size: image }, settings, inputs),
+            shape: self.shape(Layout { image, size: [TILE; 2] }, settings, inputs),
             parts: used_parts(&steps),
         };
         if let Some(resources) = self.resources.as_ref().filter(|made| made.within.as_ref() == Some(&within)) {
@@ -244,12 +245,13 @@ impl DeferredAa {
         };
         let limits = device.limits();
         let fits = |size: [u32; 2]| {
+            if size.iter().any(|side| side * m > limits.max_texture_dimension_2d) {
+                return false;
+            }
             let layout = Layout { image, size };
             let shape = self.shape(layout, settings, inputs);
             let largest = within.parts.iter().chain(&FIXED).map(|&part| shape.buffer_bytes(part)).max();
-            size.iter().all(|side| side * m <= limits.max_texture_dimension_2d)
-                && largest.is_none_or(|bytes| bytes <= binding_limit(device))
-                && bytes(layout) <= limit
+            largest.is_none_or(|bytes| bytes <= binding_limit(device)) && bytes(layout) <= limit
         };
         let Some(layout) = Layout::fit(image, apron, fits) else {
             let layout = Layout::least(image, apron);
@@ -461,6 +463,8 @@ impl DeferredAa {
     }
 
     /// Records all passes of a frame and the copies of its statistics. If it fails, nothing is recorded.
+    ///
+    /// A frame may be one of the bands of an image, see [`resize_banded`](Self::resize_banded).
     ///
     /// For several views in a frame, use a node for each, or one node for all: then the host renders the G-buffer anew
     /// between two calls, for a view of another size after a [`resize`](Self::resize). The limits of one node between

@@ -105,6 +105,8 @@ fn sizes() {
     refused(&["--size", "-1x5"], &["-1"]);
     refused(&["--scene", "empty", "--size", "100000x100000"], &["100000×100000", "lower m or the size"]);
     refused(&["--scene", "empty", "--size", "4294967295x4294967295"], &["4294967295", "lower m or the size"]);
+    refused(&["--scene", "empty", "--memory", "1.5GB"], &["'1.5GB' is no number of bytes", "512MB"]);
+    refused(&["--scene", "empty", "--memory", "2KB"], &["within 2000 bytes", "allow at least"]);
 }
 
 #[test]

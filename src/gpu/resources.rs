@@ -55,7 +55,7 @@ fn stage_key(pass: &'static PassData, stage: &'static Stage) -> StageKey {
 pub(crate) struct Within {
     pub limit: u64,
     pub apron: u32,
-    /// The shape of an unbanded frame, and its parts.
+    /// The shape of a tile of such a frame, and its parts.
     pub shape: Shape,
     pub parts: Vec<Part>,
 }

@@ -425,6 +425,39 @@ fn what_lattices_choose_follows_from_the_apron() {
     }
 }
 
+/// Slots for the constants of all bands, and times of all of them.
+#[test]
+fn bands_are_submitted_together() {
+    let settings = Settings::default();
+    let mut rig = Rig::new(2, 61, 45, PLACES);
+    let sample = |_, _| Sample::default();
+    rig.fill(sample);
+    let whole = rig.run(settings);
+    let device = rig.gpu.device.clone();
+    let at = |rig: &mut Rig, limit| rig.aa.resize_banded(&device, (61, 45), limit, &settings, &Needs::default());
+    let Err(SizeError::Limit { least, .. }) = at(&mut rig, 0) else { panic!("no limit") };
+    let bands = at(&mut rig, least).expect("bands");
+    assert!((17..=64).contains(&bands.len()), "more than frames have slots: {}", bands.len());
+    rig.fill(sample);
+    let (target, view) = target(&rig.gpu, [61, 45]);
+    for _ in 0..2 {
+        let mut encoder = device.create_command_encoder(&Default::default());
+        for &band in &bands {
+            let frame = Frame { settings, band: Some(band), statistics: true, ..Frame::new(rig.camera, &view) };
+            rig.aa.record(&rig.gpu.queue, &mut encoder, &frame).expect("a band");
+        }
+        rig.gpu.queue.submit([encoder.finish()]);
+        rig.gpu.wait();
+    }
+    let found: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(&rig.gpu.read_texture(&target, 16));
+    assert_eq!(found, whole.image);
+    let many = rig.aa.statistics().expect("statistics");
+    assert_eq!((many.frame, many.bands as usize), (whole.statistics.frame + 2, bands.len()));
+    assert_eq!(many.histogram_k, whole.statistics.histogram_k);
+    assert!(many.passes.iter().all(|pass| pass.milliseconds > Some(0.0)), "{:?}", many.passes);
+    assert_eq!(rig.gpu.take_errors(), Vec::<String>::new());
+}
+
 #[test]
 fn the_input_check_sees_a_band() {
     let settings = Settings::default();

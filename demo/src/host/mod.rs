@@ -363,9 +363,10 @@ impl Host {
     ) {
         if let Some(gbuffer) = self.aa.gbuffer() {
             let (queue, limits) = (&self.gpu.queue, self.gpu.device.limits());
-            let viewport = |band: &Band| band.viewport(self.options.m, &limits).filter(|_| by_viewport);
-            let part = band.map(|band| (*band, viewport(band)));
-            self.raster.record_part(queue, encoder, &self.scene, &self.uploaded, camera, (gbuffer, part));
+            let viewport = band.filter(|_| by_viewport).and_then(|band| band.viewport(self.options.m, &limits));
+            let cropped = band.filter(|_| viewport.is_none()).map(|band| band.crop() * camera.clip_from_view);
+            let camera = deferred_aa::Camera { clip_from_view: cropped.unwrap_or(camera.clip_from_view), ..*camera };
+            self.raster.record_in(queue, encoder, &self.scene, &self.uploaded, &camera, (gbuffer, viewport));
         }
     }
 

@@ -2,7 +2,7 @@
 
 use crate::host::upload::{GpuScene, Vertex};
 use crate::scene::{Camera, Lens, Scene};
-use deferred_aa::{Band, DeferredAa, GBuffer, GBufferTier, TextureTier};
+use deferred_aa::{DeferredAa, GBuffer, GBufferTier, TextureTier};
 use glam::camera::rh::{proj::directx, view::look_at_mat4};
 use glam::{DMat4, DVec3, Mat4, Vec2, Vec3, Vec4};
 
@@ -209,22 +209,19 @@ impl Raster {
         camera: &deferred_aa::Camera,
         target: &GBuffer,
     ) {
-        self.record_part(queue, encoder, scene, gpu, camera, (target, None));
+        self.record_in(queue, encoder, scene, gpu, camera, (target, None));
     }
 
-    /// Records the G-buffer pass of a band of the camera's image, in the band's viewport, or cropped where it has none.
-    pub fn record_part(
+    /// Records the G-buffer pass, in a viewport in samples in place of the whole target.
+    pub fn record_in(
         &self,
         queue: &wgpu::Queue,
         encoder: &mut wgpu::CommandEncoder,
         scene: &Scene,
         gpu: &GpuScene,
         camera: &deferred_aa::Camera,
-        (target, part): (&GBuffer, Option<(Band, Option<[f32; 4]>)>),
+        (target, viewport): (&GBuffer, Option<[f32; 4]>),
     ) {
-        let viewport = part.and_then(|(_, viewport)| viewport);
-        let crop = part.filter(|_| viewport.is_none()).map(|(band, _)| band.crop() * camera.clip_from_view);
-        let camera = &deferred_aa::Camera { clip_from_view: crop.unwrap_or(camera.clip_from_view), ..*camera };
         let eye = camera.world_from_view.w_axis.truncate().as_dvec3();
         let mut rotation = camera.world_from_view;
         rotation.w_axis = Vec4::W;

@@ -155,7 +155,7 @@ fn shape(settings: &MultiResolution, of: LatticeUse, level: Level) -> LatticeSha
 pub(crate) struct LatticeSteps {
     steps: [[StepUniform; Level::COUNT]; 2],
     /// The number of points of all lattices, and of the lattices for shading.
-    points: [u32; 2],
+    points: [u64; 2],
 }
 
 impl LatticeSteps {
@@ -165,7 +165,7 @@ impl LatticeSteps {
         let mut made = Self { steps: Default::default(), points: [0; 2] };
         // The image is taken from the lattice of pixels, which lies before all others.
         let [width, height] = points(size, image, LatticeShape { pattern: Pattern::Quad, level: 0 });
-        made.points[0] = width * height;
+        made.points[0] = u64::from(width) * u64::from(height);
         for of in LatticeUse::ALL {
             let mut parents: Option<LatticeUniform> = None;
             for level in levels(settings, of).filter(|_| of == LatticeUse::Shading || rays != 0) {
@@ -176,12 +176,12 @@ impl LatticeSteps {
                     level: shape.level,
                     width,
                     height,
-                    first: if (of, level) == (LatticeUse::Shading, Level::Pixels) { 0 } else { made.points[0] },
+                    first: if (of, level) == (LatticeUse::Shading, Level::Pixels) { 0 } else { made.points[0] as u32 },
                     place: level as u32,
                     origin: [0; 2],
                 };
                 if lattice.first > 0 {
-                    made.points[0] += width * height;
+                    made.points[0] += u64::from(width) * u64::from(height);
                 }
                 let pitch = |l: LatticeUniform| (1 << l.level) as f32;
                 let row = |l: LatticeUniform| {
@@ -205,7 +205,7 @@ impl LatticeSteps {
         }
         let [all, shaded] = made.points;
         for step in &mut made.steps[LatticeUse::Rays as usize] {
-            step.found = all - shaded;
+            step.found = (all - shaded) as u32;
         }
         made
     }
@@ -221,7 +221,7 @@ impl LatticeSteps {
 
     /// The bytes of the points, and of their colours.
     pub fn bytes(&self) -> [u64; 2] {
-        [u64::from(2 * self.points[0] - self.points[1]) * 16, u64::from(self.points[1]) * 16]
+        [(2 * self.points[0] - self.points[1]) * 16, self.points[1] * 16]
     }
 }
 
