@@ -1,23 +1,31 @@
-// Distributes the chosen points of a lattice over lanes. A workgroup has a block of points, of which each lane has
-// every eighth along either side. Adjacent lanes have adjacent points, so that clusters of chosen points are spread
-// evenly. Each pass defines its own `daa_wants` and `daa_begin`.
+// Distributes the chosen points of a lattice over lanes. A workgroup has a block of points, of which each lane judges
+// every eighth along either side; then the chosen ones are dealt to the lanes in turn, since they lie in clusters. Each
+// pass defines its own `daa_wants` and `daa_begin`.
 
-/// The number of a lane's points along one side of a block: `BLOCK` of src/passes/lattice/points.rs over 8.
+/// The number of points that a lane judges along one side of a block: `BLOCK` of src/passes/lattice/points.rs over 8.
 const DAA_LANE_SIDE: u32 = 4u;
 
-/// The i-th point of a lane. In each block of 2 × 2 points one belongs to the coarser lattice and is not chosen again;
-/// the order gives each lane an equal share of all four.
-fn daa_lane_point(lane: vec2u, i: u32) -> vec2i {
+/// The chosen points, a bit each: bit l % 32 of word 2 i + l / 32 for the i-th point of lane l.
+var<workgroup> daa_chosen: array<atomic<u32>, 32>;
+/// The number of chosen points before each of these words, and their number in all.
+var<workgroup> daa_before: array<u32, 33>;
+
+/// The i-th point of a lane. Adjacent lanes have adjacent points.
+fn daa_lane_point(group: vec2u, lane: u32, i: u32) -> vec2i {
     let place = vec2u(i % DAA_LANE_SIDE, i / DAA_LANE_SIDE);
-    return vec2i(((lane >> vec2u(3u)) * DAA_LANE_SIDE + place) * 8u + ((lane & vec2u(7u)) ^ (place & vec2u(1u))));
+    return vec2i((group * DAA_LANE_SIDE + place) * 8u + vec2u(lane & 7u, lane >> 3u));
 }
 
-/// A bit for each of a lane's points that is chosen and wanted. `lane` is the lane's position among all workgroups.
-fn daa_chosen_points(step: DaaStep, lane: vec2u) -> u32 {
+/// Finds the points of the workgroup that are chosen and wanted, and returns their number. Every lane calls it.
+fn daa_choose_points(step: DaaStep, group: vec2u, lane: u32) -> u32 {
     let l = step.points;
-    var chosen = 0u;
+    // With the host's code, workgroup memory is not initialised to 0.
+    if lane < 32u {
+        atomicStore(&daa_chosen[lane], 0u);
+    }
+    workgroupBarrier();
     for (var i = 0u; i < DAA_LANE_SIDE * DAA_LANE_SIDE; i++) {
-        let at = daa_lane_point(lane, i);
+        let at = daa_lane_point(group, lane, i);
         if at.x >= i32(l.width) || at.y >= i32(l.height) {
             continue;
         }
@@ -30,17 +38,37 @@ fn daa_chosen_points(step: DaaStep, lane: vec2u) -> u32 {
             daa_begin(index);
         }
         if (word & DAA_CHOSEN) != 0u && daa_wants(point) {
-            chosen |= 1u << i;
+            atomicOr(&daa_chosen[2u * i + (lane >> 5u)], 1u << (lane & 31u));
         }
     }
-    return chosen;
+    workgroupBarrier();
+    if lane < 33u {
+        var before = 0u;
+        for (var i = 0u; i < lane; i++) {
+            before += countOneBits(atomicLoad(&daa_chosen[i]));
+        }
+        daa_before[lane] = before;
+    }
+    workgroupBarrier();
+    return daa_before[32];
 }
 
 /// The i-th of these points.
-fn daa_chosen_at(lane: vec2u, chosen: u32, i: u32) -> vec2i {
-    var left = chosen;
-    for (var passed = 0u; passed < i; passed++) {
-        left &= left - 1u;
+fn daa_chosen_at(group: vec2u, i: u32) -> vec2i {
+    // Finds its word, and the bit in it, by halves.
+    var word = 0u;
+    for (var half = 16u; half > 0u; half >>= 1u) {
+        word += select(0u, half, daa_before[word + half] <= i);
     }
-    return daa_lane_point(lane, firstTrailingBit(left));
+    let bits = atomicLoad(&daa_chosen[word]);
+    var left = i - daa_before[word];
+    var bit = 0u;
+    for (var half = 16u; half > 0u; half >>= 1u) {
+        let lower = countOneBits((bits >> bit) & ((1u << half) - 1u));
+        if left >= lower {
+            left -= lower;
+            bit += half;
+        }
+    }
+    return daa_lane_point(group, bit + (word & 1u) * 32u, word >> 1u);
 }

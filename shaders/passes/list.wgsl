@@ -25,21 +25,32 @@ fn daa_row(k: u32) -> u32 {
     return DAA_M * DAA_M - k;
 }
 
+/// The number of entries that each lane's tile has in each row so far, at most 64: bits 8 (r % 4) to 8 (r % 4) + 7 of
+/// word 64 (r / 4) + lane for row r. A private array that is indexed at run time would lie in slower memory.
+var<workgroup> daa_entries: array<u32, 1024>;
+
+fn daa_entries_of(row: u32, lane: u32) -> u32 {
+    return (daa_entries[(row >> 2u) * 64u + lane] >> ((row & 3u) * 8u)) & 0xffu;
+}
+
+fn daa_add_entry(row: u32, lane: u32) {
+    daa_entries[(row >> 2u) * 64u + lane] += 1u << ((row & 3u) * 8u);
+}
+
 @compute @workgroup_size(64)
-fn daa_list_count_pixels(@builtin(global_invocation_id) id: vec3u) {
+fn daa_list_count_pixels(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) lane: u32) {
     let tiles = daa_tile_count();
     if id.x >= tiles {
         return;
     }
-    var counts: array<u32, 64>;
     for (var i = 0u; i < 64u; i++) {
         let k = daa_plan_k(daa_plan[id.x * 64u + i]);
         if k > 1u {
-            counts[daa_row(k)] += 1u;
+            daa_add_entry(daa_row(k), lane);
         }
     }
     for (var row = 0u; row < daa_pixel_rows(); row++) {
-        daa_rows[row * tiles + id.x] = counts[row];
+        daa_rows[row * tiles + id.x] = daa_entries_of(row, lane);
     }
 }
 
@@ -52,6 +63,7 @@ fn daa_list_count_samples(@builtin(global_invocation_id) id: vec3u) {
 }
 
 var<workgroup> daa_parts: array<u32, 256>;
+var<workgroup> daa_sixteenths: array<u32, 16>;
 
 /// A workgroup scans a row. Each lane scans a run of tiles, and adds the sums of the runs before it.
 @compute @workgroup_size(256)
@@ -68,8 +80,15 @@ fn daa_list_scan(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_
     daa_parts[lane] = sum;
     workgroupBarrier();
     var before = 0u;
-    for (var i = 0u; i < lane; i++) {
+    for (var i = lane & ~15u; i < lane; i++) {
         before += daa_parts[i];
+    }
+    if (lane & 15u) == 15u {
+        daa_sixteenths[lane >> 4u] = before + sum;
+    }
+    workgroupBarrier();
+    for (var i = 0u; i < (lane >> 4u); i++) {
+        before += daa_sixteenths[i];
     }
     if lane == 255u {
         daa_work[group.x + 1u].count = before + sum;
@@ -92,35 +111,44 @@ fn daa_set_work(index: u32, begin: u32, end: u32) {
     daa_work[index].groups_z = 1u;
 }
 
+/// The first entry of each row.
+var<workgroup> daa_begins: array<u32, 64>;
+
 @compute @workgroup_size(64)
-fn daa_list_pixels(@builtin(global_invocation_id) id: vec3u) {
+fn daa_list_pixels(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) lane: u32) {
     let tiles = daa_tile_count();
-    if id.x >= tiles {
-        return;
-    }
-    var next: array<u32, 64>;
+    // The bound is not a constant, so that compilers do not unroll the loop.
+    let rows = min(daa_pixel_rows(), daa_frame.size.x + 62u);
     var begin = 0u;
-    for (var row = 0u; row < daa_pixel_rows(); row++) {
+    for (var row = 0u; row < rows; row++) {
         let end = begin + daa_work[row + 1u].count;
         let padded = (end + 63u) & ~63u;
-        next[row] = begin + daa_rows[row * tiles + id.x];
+        if lane == 0u {
+            daa_begins[row] = begin;
+        }
         if id.x == 0u {
             daa_set_work(row + 1u, begin, padded);
-            for (var i = end; i < padded; i++) {
-                daa_list[i] = DAA_NO_ENTRY;
-            }
+        }
+        // The first workgroup pads the row, by less than an entry for each of its lanes.
+        if id.x < padded - end {
+            daa_list[end + id.x] = DAA_NO_ENTRY;
         }
         begin = padded;
     }
     if id.x == 0u {
         daa_set_work(0u, 0u, begin);
     }
+    workgroupBarrier();
+    if id.x >= tiles {
+        return;
+    }
     for (var i = 0u; i < 64u; i++) {
         let slot = id.x * 64u + i;
         let k = daa_plan_k(daa_plan[slot]);
         if k > 1u {
-            daa_list[next[daa_row(k)]] = slot;
-            next[daa_row(k)] += 1u;
+            let row = daa_row(k);
+            daa_list[daa_begins[row] + daa_rows[row * tiles + id.x] + daa_entries_of(row, lane)] = slot;
+            daa_add_entry(row, lane);
         }
     }
 }

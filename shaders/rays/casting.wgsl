@@ -51,12 +51,13 @@ const DAA_TILES_SURFACE: u32 = 0u;
 const DAA_TILES_REFLECT: u32 = 1u;
 
 /// The samples of a lane: of a pixel, the ranks from `first` up to, but without, `end`, restricted to some quadrants.
-/// With DAA_SAMPLES_POINTS, `pixel` is the lane's position among all workgroups, and `quadrants` has a bit for each of
-/// its chosen points.
+/// With DAA_SAMPLES_POINTS, `pixel` is the workgroup's position, and each 64th of its chosen points takes the place of
+/// a rank.
 struct DaaRanks {
     pixel: vec2u,
     first: u32,
     end: u32,
+    step: u32,
     quadrants: u32,
 }
 
@@ -76,7 +77,7 @@ struct DaaCaster {
 
 fn daa_caster(ranks: DaaRanks, i: u32) -> DaaCaster {
     if daa_casting.samples == DAA_SAMPLES_POINTS {
-        let at = daa_chosen_at(ranks.pixel, ranks.quadrants, i);
+        let at = daa_chosen_at(ranks.pixel, i);
         let l = daa_casting.step.points;
         let point = daa_point(l, at);
         let found = daa_point_index(l, at) + daa_casting.step.found;
@@ -89,9 +90,7 @@ fn daa_caster(ranks: DaaRanks, i: u32) -> DaaCaster {
 /// The samples of a lane. There are none outside the image, or beyond the end of the list of tiles of this kind.
 fn daa_ranks(group: vec2u, lane: u32, kind: u32) -> DaaRanks {
     if daa_casting.samples == DAA_SAMPLES_POINTS {
-        let own = group * 8u + vec2u(lane & 7u, lane >> 3u);
-        let chosen = daa_chosen_points(daa_casting.step, own);
-        return DaaRanks(own, 0u, countOneBits(chosen), chosen);
+        return DaaRanks(group, lane, daa_choose_points(daa_casting.step, group, lane), 64u, 0u);
     }
     var tile = group;
     if daa_casting.samples == DAA_SAMPLES_AUDITED {
@@ -99,7 +98,7 @@ fn daa_ranks(group: vec2u, lane: u32, kind: u32) -> DaaRanks {
     } else {
         let place = group.y * daa_tile_lists[kind * 4u + 1u] + group.x;
         if place >= daa_tile_lists[kind * 4u] {
-            return DaaRanks(vec2u(0u), 0u, 0u, 0u);
+            return DaaRanks(vec2u(0u), 0u, 0u, 1u, 0u);
         }
         let listed = daa_tile_lists[8u + kind * daa_tile_count() + place];
         tile = vec2u(listed % daa_frame.tiles_x, listed / daa_frame.tiles_x);
@@ -108,24 +107,24 @@ fn daa_ranks(group: vec2u, lane: u32, kind: u32) -> DaaRanks {
     // Neighbours read the first samples of pixels that are not shown.
     let first_alone = daa_casting.samples == DAA_SAMPLES_FIRST;
     if any(pixel >= daa_frame.size) || (!first_alone && !daa_is_shown(pixel)) {
-        return DaaRanks(pixel, 0u, 0u, 0u);
+        return DaaRanks(pixel, 0u, 0u, 1u, 0u);
     }
     let n = DAA_M * DAA_M;
     let word = daa_plan[daa_tile_index(tile.xy) * 64u + lane];
     let k = daa_plan_k(word);
     let all = DAA_ALL_QUADRANTS;
     switch daa_casting.samples {
-        case DAA_SAMPLES_FIRST: { return DaaRanks(pixel, 0u, 1u, all); }
-        case DAA_SAMPLES_FULL: { return DaaRanks(pixel, 0u, n, all); }
+        case DAA_SAMPLES_FIRST: { return DaaRanks(pixel, 0u, 1u, 1u, all); }
+        case DAA_SAMPLES_FULL: { return DaaRanks(pixel, 0u, n, 1u, all); }
         case DAA_SAMPLES_PLANNED: {
             if daa_flag(DAA_FLAG_SELECTIVE) {
-                return DaaRanks(pixel, 1u, select(n, 1u, k < 2u), daa_plan_quadrants(word));
+                return DaaRanks(pixel, 1u, select(n, 1u, k < 2u), 1u, daa_plan_quadrants(word));
             }
-            return DaaRanks(pixel, 1u, k, all);
+            return DaaRanks(pixel, 1u, k, 1u, all);
         }
         // The samples that were not planned.
-        case DAA_SAMPLES_AUDITED: { return DaaRanks(pixel, k, n, all); }
-        default: { return DaaRanks(pixel, 1u, daa_frame.reconstruct.samples, all); }
+        case DAA_SAMPLES_AUDITED: { return DaaRanks(pixel, k, n, 1u, all); }
+        default: { return DaaRanks(pixel, 1u, daa_frame.reconstruct.samples, 1u, all); }
     }
 }
 

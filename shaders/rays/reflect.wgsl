@@ -164,7 +164,7 @@ fn daa_reflect_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocati
     let ranks = daa_ranks(group.xy, lane, DAA_TILES_REFLECT);
     var rays = vec2u(0u);
     let keeps_hits = daa_flag(DAA_FLAG_SELECTIVE) && daa_casting.samples == DAA_SAMPLES_FIRST;
-    for (var i = ranks.first; i < ranks.end; i++) {
+    for (var i = ranks.first; i < ranks.end; i += ranks.step) {
         let caster = daa_caster(ranks, i);
         let pixel = caster.pixel;
         let rank = caster.rank;

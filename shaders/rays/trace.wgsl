@@ -44,7 +44,7 @@ fn daa_trace_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation
         traces = daa_worth_tracing(ranks.pixel);
     }
     var rays = 0u;
-    for (var i = ranks.first; i < ranks.end; i++) {
+    for (var i = ranks.first; i < ranks.end; i += ranks.step) {
         let caster = daa_caster(ranks, i);
         if !caster.wanted {
             continue;

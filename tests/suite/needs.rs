@@ -129,10 +129,10 @@ fn shadows_alone_are_not_refused_for_the_room_of_reflections() {
 /// What a frame keeps of its rays is as much as its samples may send.
 #[test]
 fn single_keeps_a_sixteenth_of_what_full_keeps() {
-    let scene = builtin::builtin("shadows").unwrap();
+    let scene = builtin("shadows").unwrap();
     let camera = scene.default_camera();
     let kept = |technique| {
-        let mut host = crate::shadows::host(scene.clone(), 4, [32, 18]);
+        let mut host = host(scene.clone(), 4, [32, 18]);
         host.frame(&camera, Settings { technique, ..Default::default() }).unwrap();
         host.aa.intermediates().and_then(|passed| passed.shadows).expect("shadows").size()
     };
