@@ -116,11 +116,14 @@ fn daa_normal_cone(corner: vec2u, w: DaaWindow) -> f32 {
     for (var y = 0u; y < DAA_M; y++) {
         for (var x = 0u; x < DAA_M; x++) {
             let at = corner + vec2u(x, y);
+            if w.covered < f32(DAA_M * DAA_M) && daa_depth_at(at) <= DAA_SKY_DEPTH {
+                continue;
+            }
             let n = daa_octahedral_decode(unpack2x16snorm(daa_surface_at(at).x));
             let apart = mean - n;
             let other = mean + n;
             let squared = select(dot(apart, apart), min(dot(apart, apart), dot(other, other)), two_sided);
-            greatest = max(greatest, select(0.0, squared, daa_depth_at(at) > DAA_SKY_DEPTH));
+            greatest = max(greatest, squared);
         }
     }
     return sqrt(greatest * 0.5);
