@@ -344,8 +344,9 @@ impl DeferredAa {
     /// for them is used from then on.
     pub fn lend(&mut self, device: &wgpu::Device, lent: &[Lent<'_>]) -> Result<(), LendError> {
         let resources = self.resources.as_ref().ok_or(LendError::NoSize)?;
-        let shape =
-            self.shape(resources.layout(), &Settings::default(), RayInputs { shadows: true, reflections: true });
+        let inputs = RayInputs { shadows: true, reflections: true };
+        // The least that any frame needs of a part; a frame that needs more of it refuses the loan.
+        let shape = Shape { ranks: 1, ..self.shape(resources.layout(), &Settings::default(), inputs) };
         let loans = Loans::new(lent, &shape, binding_limit(device))?;
         let memory = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let binding = device.push_error_scope(wgpu::ErrorFilter::Validation);

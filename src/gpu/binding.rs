@@ -258,7 +258,7 @@ pub(crate) fn frame_layout(device: &wgpu::Device, tier: GBufferTier, inputs: Ray
         }
         // The meshes, and the instances of the frame.
         GBufferTier::Visibility(_) => {
-            entries.extend([3, 4].map(|binding| buffer(binding, visibility, found, false, 0)))
+            entries.extend([3, 4].map(|binding| buffer(binding, visibility, found, false, 0)));
         }
     }
     for (binding, has) in [(5, inputs.shadows), (6, inputs.reflections)] {

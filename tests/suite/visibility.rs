@@ -237,7 +237,7 @@ fn every_attribute_is_the_twins() {
                     // Negative results of a hook become 0, and alpha is at most 1.
                     let expected = expected.max(0.0).min(if c == 3 { 1.0 } else { f64::MAX });
                     // A byte may round the other way.
-                    let tolerance = 4e-3 * expected.max(1.0) / seen.facing.abs().max(0.05).min(1.0);
+                    let tolerance = 4e-3 * expected.max(1.0) / seen.facing.abs().clamp(0.05, 1.0);
                     let apart = (f64::from(found) - expected).abs();
                     assert!(apart <= tolerance, "{name}, {shown}, {i}.{c}: {pixel:?}, twin {seen:?}");
                 }
