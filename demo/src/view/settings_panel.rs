@@ -8,7 +8,7 @@ use super::state::Side;
 use crate::host::Options;
 use crate::scene::Sun;
 use deferred_aa::rays::RayTier;
-use deferred_aa::{Preset, SettingRange, SettingScale, Settings, Technique, TextureTier};
+use deferred_aa::{GBufferTier, Ids, Preset, SettingRange, SettingScale, Settings, Technique, TextureTier};
 use egui::{CollapsingHeader, ComboBox, DragValue, ScrollArea, Slider, SliderClamping, Ui};
 use serde_json::{Value, json};
 use std::f32::consts::PI;
@@ -131,7 +131,8 @@ impl App {
 
     fn node(&mut self, ui: &mut Ui) {
         let adapter = self.opened.as_ref().map(|o| o.adapter.clone()).unwrap_or_default();
-        let Options { mut width, mut height, mut m, mut anisotropy, mut textures, mut rays, .. } = self.options;
+        let Options { mut width, mut height, mut m, mut anisotropy, mut textures, mut rays, mut gbuffer, .. } =
+            self.options;
         ui.add(Slider::new(&mut m, 1..=8).text("m")).on_hover_text(
             "Samples along one side of a pixel's window. Higher: better edges and textures; memory and raster time grow with m². \
              Compiles anew.",
@@ -166,7 +167,16 @@ impl App {
                 rays = set;
             }
         }
-        self.options = Options { width, height, m, textures, anisotropy, rays, ..self.options };
+        let visible = matches!(gbuffer, GBufferTier::Visibility(_));
+        for (label, missing, is, set) in [
+            ("G-buffer of triangles", &adapter.no_triangles, visible, GBufferTier::Visibility(Ids::Wide)),
+            ("G-buffer of attributes", &None, !visible, GBufferTier::default()),
+        ] {
+            if choice(ui, label, is, missing.as_deref()) {
+                gbuffer = set;
+            }
+        }
+        self.options = Options { width, height, m, textures, anisotropy, rays, gbuffer, ..self.options };
     }
 
     fn lamps(&mut self, ui: &mut Ui) {

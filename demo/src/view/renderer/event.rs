@@ -90,6 +90,8 @@ pub struct Adapter {
     pub no_bindings: Option<String>,
     /// What ray queries lack; `None` if they are available.
     pub no_ray_query: Option<String>,
+    /// What it lacks for a visibility buffer, if anything.
+    pub no_triangles: Option<String>,
     /// Whether it has timestamps, without which there are no goals in milliseconds.
     pub has_timestamps: bool,
     /// The longest side of a G-buffer.

@@ -26,7 +26,8 @@ impl Stage {
         Self { adapter, host: None, options, lights: None, own_sun: None }
     }
 
-    /// Builds a host on the adapter of the present one, which stays.
+    /// Builds a host on the adapter of the present one, which stays. Its G-buffer is the best of the wanted kind for the scene
+    /// and the adapter.
     pub fn build(&self, scene: Scene, options: Options) -> Result<Host, String> {
         let adapter = match &self.host {
             Some(host) => host.gpu.adapter.clone(),
@@ -41,9 +42,9 @@ impl Stage {
         Host::new(gpu, scene, options).map_err(|e| e.to_string())
     }
 
-    /// Takes a host of the present scene in place of the present one.
-    pub fn take(&mut self, host: Host) {
-        self.options = host.options;
+    /// Takes a host of the present scene in place of the present one, which was built for these options.
+    pub fn take(&mut self, host: Host, options: Options) {
+        self.options = options;
         self.host = Some(host);
         self.lights = None;
     }
@@ -66,7 +67,7 @@ impl Stage {
             device: host.gpu.device.clone(),
         };
         self.own_sun = own_sun;
-        self.take(host);
+        self.take(host, self.options);
         opened
     }
 
@@ -92,6 +93,8 @@ fn about(gpu: &Gpu) -> Adapter {
         name: gpu.adapter.get_info().name,
         no_bindings: lacks(TextureTier::Bindings, RayTier::Software),
         no_ray_query: lacks(TextureTier::Arrays, RayTier::Query),
+        no_triangles: (!gpu.adapter.features().contains(wgpu::Features::PRIMITIVE_INDEX))
+            .then(|| "feature PRIMITIVE_INDEX".to_owned()),
         has_timestamps: gpu.device.features().contains(wgpu::Features::TIMESTAMP_QUERY),
         longest: gpu.device.limits().max_texture_dimension_2d,
     }

@@ -173,9 +173,9 @@ impl Renderer {
         Ok(())
     }
 
-    /// Takes a host of the same scene.
-    fn take(&mut self, host: Host) {
-        self.stage.take(host);
+    /// Takes a host of the same scene, built for these options.
+    fn take(&mut self, host: Host, options: Options) {
+        self.stage.take(host, options);
         self.refused = None;
         self.forget();
     }
@@ -205,7 +205,7 @@ impl Renderer {
             self.stage.build(scene, options)
         };
         match built {
-            Ok(host) => self.take(host),
+            Ok(host) => self.take(host, options),
             Err(e) => {
                 self.refused = Some(options);
                 (self.say)(Event::NotBuilt(options, e));
@@ -313,7 +313,7 @@ impl Renderer {
         let scene = host.scene.clone();
         drop(host);
         let host = self.stage.build(scene, self.stage.options)?;
-        self.take(host);
+        self.take(host, self.stage.options);
         Ok(())
     }
 }
