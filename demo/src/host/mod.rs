@@ -173,6 +173,14 @@ pub fn gbuffer_tier(scene: &Scene, adapter: &wgpu::Adapter) -> GBufferTier {
     GBufferTier::Visibility(Ids::for_scene(triangles as u32, scene.instances.len() as u32))
 }
 
+/// The G-buffer of a wanted kind that is best for a scene on an adapter.
+pub fn gbuffer_for(wanted: GBufferTier, scene: &Scene, adapter: &wgpu::Adapter) -> GBufferTier {
+    match wanted {
+        GBufferTier::Visibility(_) => gbuffer_tier(scene, adapter),
+        GBufferTier::Stored(_) => stored(scene),
+    }
+}
+
 /// The descriptor of the demo's nodes.
 pub fn descriptor(m: u32, textures: TextureTier, rays: RayTier, gbuffer: GBufferTier) -> Descriptor<'static> {
     let source = if gbuffer == UNTEXTURED { UNTEXTURED_WGSL } else { SHADING_WGSL };

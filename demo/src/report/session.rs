@@ -5,7 +5,7 @@ use super::fingerprint::Fingerprint;
 use super::folder::Folder;
 use crate::host::gpu::Gpu;
 use crate::host::raster::node_camera;
-use crate::host::{Host, Options, Shot};
+use crate::host::{self, Host, Options, Shot};
 use crate::measure::stats::Adapter;
 use crate::scene::{Camera, Scene};
 use deferred_aa::rays::RayTier;
@@ -39,7 +39,7 @@ pub struct Request {
     pub textures: TextureTier,
     /// The tier that traces rays.
     pub rays: RayTier,
-    /// How the G-buffer keeps its samples.
+    /// The kind of G-buffer; each scene has the best of it.
     pub gbuffer: GBufferTier,
     /// Anisotropy of texture reads, 1 to 16.
     pub anisotropy: u16,
@@ -163,6 +163,7 @@ impl Session {
     /// A host of a variant of the scene, at another size.
     pub fn host_of(&self, scene: Scene, m: u32, (width, height): (u32, u32)) -> Result<Host, ReportError> {
         let Request { textures, stall, anisotropy, rays, gbuffer, .. } = self.request;
+        let gbuffer = host::gbuffer_for(gbuffer, &scene, &self.gpu.adapter);
         let options = Options { width, height, m, textures, stall, anisotropy, rays, gbuffer };
         let host = Host::new(self.gpu.clone(), scene, options)?;
         if !self.noted.swap(true, Ordering::Relaxed) {

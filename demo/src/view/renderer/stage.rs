@@ -33,10 +33,7 @@ impl Stage {
             Some(host) => host.gpu.adapter.clone(),
             None => gpu::choose(self.adapter.as_deref()).map_err(|e| e.to_string())?,
         };
-        let gbuffer = match options.gbuffer {
-            GBufferTier::Visibility(_) => host::gbuffer_tier(&scene, &adapter),
-            GBufferTier::Stored(_) => host::stored(&scene),
-        };
+        let gbuffer = host::gbuffer_for(options.gbuffer, &scene, &adapter);
         let options = Options { gbuffer, ..options };
         let gpu = Gpu::new(adapter, &options.descriptor()).map_err(|e| e.to_string())?;
         Host::new(gpu, scene, options).map_err(|e| e.to_string())
