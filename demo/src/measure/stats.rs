@@ -88,7 +88,7 @@ pub struct Memory {
 }
 
 impl Memory {
-    /// Bytes of the G-buffer.
+    /// Bytes of the G-buffer, and of the meshes that a visibility buffer is read with.
     pub fn gbuffer(&self) -> u64 {
         self.gbuffer
     }
@@ -146,7 +146,10 @@ impl Stats {
         let last = shots.last()?;
         let memory = host.aa.memory();
         let s = &last.statistics;
-        let scene = host.rays.as_ref().map_or(0, |r| r.scene.bytes());
+        // A scene that traces nothing is what a visibility buffer is read with.
+        let scenes = host.rays.iter().map(|rays| &rays.scene);
+        let bytes =
+            |traces: bool| scenes.clone().filter(|s| s.tier().is_some() == traces).map(|s| s.bytes()).sum::<u64>();
         Some(Self {
             scene: host.scene.name.clone(),
             width: host.options.width,
@@ -166,9 +169,9 @@ impl Stats {
             tiles: s.tiles,
             time_ms: times(shots),
             memory_bytes: Memory {
-                gbuffer: memory.gbuffer,
+                gbuffer: memory.gbuffer + bytes(false),
                 scratch: memory.scratch,
-                rays: memory.rays + scene,
+                rays: memory.rays + bytes(true),
                 peak: Some(host.peak()).filter(|&bytes| bytes > 0),
             },
             quality: Against { grid, truth: None },
