@@ -26,13 +26,15 @@ impl Attributes {
 pub(super) fn packed(a: &Attributes) -> [u32; 4] {
     let normal = Vec3::from(a.normal).as_dvec3();
     let code = octahedral::encode(if normal == DVec3::ZERO { DVec3::Y } else { normal });
-    [code, tangent(octahedral::decode(code), a.tangent), a.uv[0].to_bits(), a.uv[1].to_bits()]
+    [code, tangent(code, a.tangent), a.uv[0].to_bits(), a.uv[1].to_bits()]
 }
 
 /// The code that `daa_vertex_tangent` of triangle.wgsl decodes, and the sign of the bitangent.
-fn tangent(n: DVec3, [x, y, z, w]: [f32; 4]) -> u32 {
+fn tangent(normal: u32, [x, y, z, w]: [f32; 4]) -> u32 {
     let along = DVec3::new(x.into(), y.into(), z.into());
-    let s = if n.z >= 0.0 { 1.0 } else { -1.0 };
+    let n = octahedral::decode(normal);
+    let [e, f] = [normal as i16, (normal >> 16) as i16].map(|c| i32::from(c).abs());
+    let s = if e + f <= 32767 { 1.0 } else { -1.0 };
     let a = -1.0 / (s + n.z);
     let basis = DVec3::new(1.0 + s * n.x * n.x * a, s * n.x * n.y * a, -s * n.x);
     let (across, up) = (along.dot(basis), along.dot(n.cross(basis)));
