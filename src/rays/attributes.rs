@@ -12,7 +12,8 @@ pub struct Attributes {
     pub tangent: [f32; 4],
     /// Texture coordinates.
     pub uv: [f32; 2],
-    /// The host's own 32 bits. A hit has those of the first vertex of its triangle.
+    /// The host's own 32 bits. Where the vertices of a triangle differ, each of the four bytes is interpolated, as those
+    /// of a colour; a triangle whose vertices have the same bits keeps them.
     pub user: u32,
 }
 

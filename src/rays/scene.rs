@@ -272,8 +272,8 @@ impl RayScene {
     }
 
     /// Moves the vertices of a mesh, for a visibility buffer that shows it deformed: skinned or morphed. There is a
-    /// position and a set of attributes for each vertex that [`add`](Self::add) got. Rays still meet the mesh as it was
-    /// added.
+    /// position and a set of attributes for each vertex that [`add`](Self::add) got. No tree is rebuilt, so rays may miss
+    /// what has moved: [`add`](Self::add) the deformed mesh anew if frames trace it.
     pub fn deform(
         &self,
         queue: &wgpu::Queue,
@@ -285,6 +285,9 @@ impl RayScene {
         let none = RayError::NoMesh { instance: 0, mesh: mesh.0, meshes };
         let placed = self.meshes.get(mesh.0 as usize).ok_or(none)?;
         let name = || placed.name.clone();
+        if placed.attributes == 0 && placed.vertices > 0 {
+            return Err(RayError::NoAttributes { mesh: name() });
+        }
         let vertices = placed.vertices as usize;
         if [positions.len(), attributes.len()] != [vertices; 2] {
             return Err(RayError::Attributes { mesh: name(), attributes: attributes.len(), vertices });
