@@ -18,11 +18,11 @@ struct DaaSample {
     view: vec3f,
     /// Id of the object.
     object: u32,
-    /// Unit normal of the triangle, on the visible side (8+8 bits: accurate within 1°).
+    /// Unit normal of the triangle, on the visible side (8+8 bits where it is stored: accurate within 1°).
     geometric_normal: vec3f,
     /// The host's own 32 bits.
     user: u32,
-    /// Unit interpolated normal (16+16 bits: accurate within 0.004°).
+    /// Unit interpolated normal (16+16 bits where it is stored: accurate within 0.004°).
     normal: vec3f,
     /// Shadow bits: bit i is set if light i does not reach the sample.
     shadow: u32,

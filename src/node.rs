@@ -23,7 +23,7 @@ use crate::host::check::{InputMistake, InputReport, encodes};
 use crate::host::descriptor::{Descriptor, Shading};
 use crate::host::error::{BuildError, LendError, RecordError, ShadingError, SizeError, TableError};
 use crate::host::frame::{Camera, Frame};
-use crate::host::gbuffer::{Channels, GBuffer, GBufferTier};
+use crate::host::gbuffer::{Channels, GBuffer, GBufferTier, Ids};
 use crate::host::graph::{Grid, Part, PartInfo, PassInfo, PassKind, Resource, Stage};
 use crate::host::intermediates::Intermediates;
 use crate::host::needs::{Needs, RayInputs};
@@ -128,6 +128,9 @@ impl DeferredAa {
         }
         let Shading { source, file } = descriptor.shading;
         let host = HostSource::check(source, file, descriptor.textures, device.features())?;
+        if let Some(Ids::Narrow { triangle_bits }) = descriptor.gbuffer.ids().filter(|ids| !ids.fits(0, 0)) {
+            return Err(BuildError::TriangleBits(triangle_bits));
+        }
         if let GBufferTier::Stored(channels) = descriptor.gbuffer {
             host.check_channels(file, channels)?;
             if let (Some(_), Channels { geometric_normal: false, .. }) = (descriptor.rays, channels) {

@@ -22,6 +22,11 @@ pub enum BuildError {
         "target format {0:?} can't hold a colour image; choose a renderable float or normalised format, such as Rgba8UnormSrgb or Rgba16Float"
     )]
     TargetFormat(wgpu::TextureFormat),
+    /// `Ids::Narrow` leaves no bits for the triangle or for the instance.
+    #[error(
+        "ids with {0} bits for the triangle leave none for the other half; Ids::Narrow takes 1 to 31, see Ids::for_scene"
+    )]
+    TriangleBits(u32),
     /// Rays need the geometric normal, and the G-buffer does not keep it.
     #[error(
         "rays start along the geometric normal; set Channels::geometric_normal in Descriptor::gbuffer, or Descriptor::rays to None"

@@ -38,7 +38,7 @@ pub struct Memory {
     /// - the lattices of [`MultiResolution`](crate::Technique::MultiResolution), about 43 bytes a pixel, 85 with rays,
     ///   and with shifted rows 75 and 150.
     pub scratch: u64,
-    /// Ray results, created by the first frame that traces: 4 bytes a sample for shadows and 4 for reflections and
+    /// Ray results, created by the first frame that traces, for the samples that its technique may trace: 4 bytes a sample for shadows and 4 for reflections and
     /// refractions, and 24 more a pixel for [`Selective`](crate::Technique::Selective). The scene that is traced
     /// belongs to the host, see [`RayScene::bytes`](crate::rays::RayScene::bytes).
     pub rays: u64,

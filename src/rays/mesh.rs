@@ -22,7 +22,8 @@ pub struct Mesh<'a> {
     pub positions: &'a [[f32; 3]],
     /// The vertex indices, three for each triangle.
     pub indices: &'a [u32],
-    /// The attributes from which hits are shaded, one for each vertex. Empty if only shadow rays are traced.
+    /// The attributes from which hits and the samples of a visibility buffer are shaded, one for each vertex. Empty if
+    /// only shadow rays are traced.
     pub attributes: &'a [Attributes],
     /// Whether the material has holes: `daa_ray_solid` is called for each triangle that a ray hits. Needs attributes.
     pub masked: bool,

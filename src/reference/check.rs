@@ -2,6 +2,7 @@
 
 use super::octahedral;
 use super::rays::trace::geometric_normal;
+use crate::reference::sample::relative_from_clip;
 use crate::{Camera, InputCounts, NormalCounts};
 use glam::{DMat3, DMat4, DVec2, DVec3, DVec4};
 
@@ -43,12 +44,9 @@ struct View {
 impl Input<'_> {
     /// The counts of all samples.
     pub fn counts(&self) -> InputCounts {
-        let world = self.camera.world_from_view.as_dmat4();
-        let mut rotation = world;
-        rotation.w_axis = DVec4::W;
         let view = View {
-            relative_from_clip: rotation * self.camera.clip_from_view.as_dmat4().inverse(),
-            rotation: DMat3::from_mat4(world),
+            relative_from_clip: relative_from_clip(&self.camera),
+            rotation: DMat3::from_mat4(self.camera.world_from_view.as_dmat4()),
             perspective: self.camera.clip_from_view.row(3) != glam::Vec4::W,
         };
         let mut counts = InputCounts::default();

@@ -14,6 +14,7 @@ pub mod plan;
 pub mod rays;
 pub mod reconstruct;
 pub mod resolve;
+pub mod sample;
 pub mod selective;
 pub mod triangle;
 pub mod visibility;

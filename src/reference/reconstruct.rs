@@ -1,6 +1,7 @@
 //! Twin of `shaders/passes/reconstruct.wgsl`.
 
 use super::octahedral;
+use crate::reference::sample::relative_from_clip;
 use crate::{Camera, Reconstructed, window};
 use glam::{DMat4, DVec3, DVec4};
 
@@ -152,10 +153,8 @@ pub struct View {
 impl View {
     /// Derives the values.
     pub fn new(camera: &Camera) -> Self {
-        let mut rotation = camera.world_from_view.as_dmat4();
-        let forward = -rotation.z_axis.truncate().normalize();
-        rotation.w_axis = DVec4::W;
-        Self { relative_from_clip: rotation * camera.clip_from_view.as_dmat4().inverse(), forward }
+        let forward = -camera.world_from_view.as_dmat4().z_axis.truncate().normalize();
+        Self { relative_from_clip: relative_from_clip(camera), forward }
     }
 }
 

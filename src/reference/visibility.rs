@@ -2,8 +2,9 @@
 
 use crate::Camera;
 use crate::rays::{Attributes, Mesh};
+use crate::reference::sample::relative_position;
 use crate::reference::{octahedral, triangle};
-use glam::{DAffine3, DMat3, DMat4, DVec2, DVec3, DVec4};
+use glam::{DAffine3, DMat3, DVec2, DVec3, DVec4};
 
 /// The input of the reader.
 #[derive(Debug, Clone, Copy)]
@@ -85,7 +86,7 @@ impl Input<'_> {
         let mut met = self.meet(&t, centre);
         let inside = met.1.min_element() > -0.25 && met.1.x + met.1.y < 1.25;
         if !inside || met.2.abs() < 1e-5 {
-            met.0 = self.relative_position(centre, depth.into());
+            met.0 = relative_position(&self.camera, self.samples, centre, depth.into());
             met.1 = t.weights(met.0);
         }
         let (point, weights, facing) = met;
@@ -134,7 +135,7 @@ impl Input<'_> {
 
     /// `daa_meet`.
     fn meet(&self, t: &Triangle, xy: DVec2) -> Meeting {
-        let near = self.relative_position(xy, 1.0);
+        let near = relative_position(&self.camera, self.samples, xy, 1.0);
         let parallel = self.camera.clip_from_view.row(3) == glam::Vec4::W;
         let (origin, direction) = if parallel {
             (near, -self.camera.world_from_view.z_axis.truncate().as_dvec3().normalize())
@@ -144,17 +145,6 @@ impl Input<'_> {
         let facing = t.plane.dot(direction);
         let point = origin + direction * (t.plane.dot(t.a - origin) / facing);
         (point, t.weights(point), facing)
-    }
-
-    /// `daa_relative_position`.
-    fn relative_position(&self, xy: DVec2, d: f64) -> DVec3 {
-        let [width, height] = self.samples.map(f64::from);
-        let ndc = DVec4::new(xy.x / width * 2.0 - 1.0, 1.0 - xy.y / height * 2.0, d, 1.0);
-        let mut rotation = self.camera.world_from_view.as_dmat4();
-        rotation.w_axis = DVec4::W;
-        let relative_from_clip: DMat4 = rotation * self.camera.clip_from_view.as_dmat4().inverse();
-        let p = relative_from_clip * ndc;
-        p.truncate() / p.w
     }
 }
 

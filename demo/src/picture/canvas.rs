@@ -1,11 +1,11 @@
 //! Drawing on an image: areas, images, frames, text, and the colours of a heat map explained.
 
-use super::crops::Rect;
 use super::error::{MAX_PIXELS, PictureError};
 use super::heat::heat;
 use super::size::{check_size, pixels};
 use super::text::{CAPTION, Type};
 use ab_glyph::{Font, ScaleFont, point};
+use deferred_aa::Rect;
 use image::{Rgb, RgbImage};
 
 /// An image that is drawn on; what would fall outside is left out.

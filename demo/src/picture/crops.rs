@@ -2,35 +2,21 @@
 
 use super::error::PictureError;
 use super::linear::Picture;
+use deferred_aa::Rect;
 
-/// Part of a picture, in pixels from its top left corner.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Rect {
-    /// Leftmost column.
-    pub x: u32,
-    /// Topmost row.
-    pub y: u32,
-    /// Columns.
-    pub width: u32,
-    /// Rows.
-    pub height: u32,
+/// The part of a rectangle that lies inside `width`×`height`, at least one pixel of it.
+pub fn clip(rect: Rect, width: u32, height: u32) -> Rect {
+    let (x, y) = (rect.x.min(width - 1), rect.y.min(height - 1));
+    Rect { x, y, width: rect.width.clamp(1, width - x), height: rect.height.clamp(1, height - y) }
 }
 
-impl Rect {
-    /// The part that lies inside `width`×`height`, at least one pixel of it.
-    pub fn clip(self, width: u32, height: u32) -> Self {
-        let (x, y) = (self.x.min(width - 1), self.y.min(height - 1));
-        Self { x, y, width: self.width.clamp(1, width - x), height: self.height.clamp(1, height - y) }
-    }
-
-    /// Whether less than `space` pixels lie between the two.
-    pub fn near(self, other: Self, space: u32) -> bool {
-        let apart = |a: u32, a_len: u32, b: u32, b_len: u32| {
-            let (a, b, space) = (u64::from(a), u64::from(b), u64::from(space));
-            a + u64::from(a_len) + space <= b || b + u64::from(b_len) + space <= a
-        };
-        !apart(self.x, self.width, other.x, other.width) && !apart(self.y, self.height, other.y, other.height)
-    }
+/// Whether less than `space` pixels lie between two rectangles.
+fn near(one: Rect, other: Rect, space: u32) -> bool {
+    let apart = |a: u32, a_len: u32, b: u32, b_len: u32| {
+        let (a, b, space) = (u64::from(a), u64::from(b), u64::from(space));
+        a + u64::from(a_len) + space <= b || b + u64::from(b_len) + space <= a
+    };
+    !apart(one.x, one.width, other.x, other.width) && !apart(one.y, one.height, other.y, other.height)
 }
 
 /// At most `count` windows of `size`×`size` pixels, clipped to the picture, that show where `a` and `b` differ most.
@@ -57,7 +43,7 @@ pub fn pick_crops(a: &Picture, b: &Picture, count: usize, size: u32) -> Result<V
 
     let mut chosen: Vec<Rect> = Vec::new();
     while chosen.len() < count {
-        let free = |r: Rect, space| chosen.iter().all(|c| !c.near(r, space));
+        let free = |r: Rect, space| chosen.iter().all(|c| !near(*c, r, space));
         let best = |space| {
             let mut best: Option<(u64, Rect)> = None;
             for y in 0..=height - window.height {
@@ -146,8 +132,8 @@ mod tests {
                 let crops = pick_crops(&a, &b, 6, size).unwrap();
                 assert!(!crops.is_empty());
                 for (i, r) in crops.iter().enumerate() {
-                    assert_eq!(*r, r.clip(width, height));
-                    assert!(crops[..i].iter().all(|other| !other.near(*r, 0)), "{crops:?}");
+                    assert_eq!(*r, clip(*r, width, height));
+                    assert!(crops[..i].iter().all(|other| !near(*other, *r, 0)), "{crops:?}");
                 }
             }
         }

@@ -14,7 +14,7 @@ mod strip;
 mod text;
 
 pub use canvas::with_legend;
-pub use crops::{Rect, pick_crops};
+pub use crops::pick_crops;
 pub use display::{NOT_FINITE, display};
 pub use error::{MAX_PIXELS, PictureError};
 pub use files::write_png;

@@ -1,10 +1,11 @@
 //! The strip that compares techniques: a column each, with the same crops magnified.
 
 use super::canvas::{Canvas, FRAME, MUTED, RULE};
-use super::crops::Rect;
+use super::crops::clip;
 use super::error::PictureError;
 use super::size::{check_size, pixels};
 use super::text::{CAPTION, HEADING, TITLE, fitted, wrap};
+use deferred_aa::Rect;
 use image::{Rgb, RgbImage};
 
 /// One column of a comparison [`strip`].
@@ -43,7 +44,7 @@ pub fn strip(heading: &str, panels: &[Panel], crops: &[Rect]) -> Result<RgbImage
         let what = format!("the picture of panel {:?}", p.title);
         return Err(PictureError::Differ { what, found: p.image.dimensions(), first: (width, height) });
     }
-    let crops: Vec<Rect> = crops.iter().map(|r| r.clip(width, height)).collect();
+    let crops: Vec<Rect> = crops.iter().map(|&r| clip(r, width, height)).collect();
 
     let overview = Scale::fit(width, height, MIN_COLUMN, MAX_OVERVIEW);
     let column = overview.of(width).max(MIN_COLUMN);

@@ -1,9 +1,10 @@
 //! Twin of `shaders/rays/trace.wgsl`: the shadow bits of a sample, with every triangle of the scene tested.
 
 use super::Ray;
+use crate::reference::sample::relative_position;
 use crate::reference::{octahedral, rays};
 use crate::{Camera, CastingLight};
-use glam::{DMat4, DVec2, DVec3, DVec4};
+use glam::{DVec2, DVec3};
 
 /// The input of the pass. Positions are relative to the camera.
 #[derive(Debug, Clone)]
@@ -74,13 +75,7 @@ impl Input<'_> {
     /// `daa_relative_position`: the position, relative to the camera, of the point at G-buffer coordinates and depth
     /// `d`.
     pub(super) fn relative_position(&self, xy: DVec2, d: f64) -> DVec3 {
-        let [width, height] = self.samples.map(f64::from);
-        let ndc = DVec4::new(xy.x / width * 2.0 - 1.0, 1.0 - xy.y / height * 2.0, d, 1.0);
-        let mut rotation = self.camera.world_from_view.as_dmat4();
-        rotation.w_axis = DVec4::W;
-        let relative_from_clip: DMat4 = rotation * self.camera.clip_from_view.as_dmat4().inverse();
-        let p = relative_from_clip * ndc;
-        p.truncate() / p.w
+        relative_position(&self.camera, self.samples, xy, d)
     }
 
     /// The camera's position in world space.

@@ -3,11 +3,12 @@
 use crate::host::raster::crop;
 use crate::host::{self, Host};
 use crate::measure::reference::{self, MovedFrames};
-use crate::picture::{Picture, Rect};
+use crate::picture::Picture;
 use crate::report::ReportError;
 use crate::report::cache::{About, Cache};
 use crate::report::schema::TruthInfo;
 use crate::report::session::Session;
+use deferred_aa::Rect;
 use deferred_aa::{DeferredAa, Settings};
 use glam::Vec2;
 use std::time::Instant;
