@@ -110,6 +110,20 @@ pub fn camera(aspect: f32) -> Camera {
     Camera { world_from_view: Mat4::IDENTITY, clip_from_view }
 }
 
+/// A target that can be read back.
+pub fn target(gpu: &Gpu, format: wgpu::TextureFormat, [width, height]: [u32; 2]) -> wgpu::Texture {
+    gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("target"),
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+        view_formats: &[],
+    })
+}
+
 impl Rig {
     pub fn new(m: u32, width: u32, height: u32, shading: &str) -> Self {
         Self::with_format(m, width, height, shading, wgpu::TextureFormat::Rgba32Float)
@@ -128,16 +142,7 @@ impl Rig {
         };
         let mut aa = DeferredAa::new(&gpu.device, &descriptor, None).expect("a node");
         aa.resize(&gpu.device, width, height).expect("a size");
-        let target = gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("target"),
-            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
-            view_formats: &[],
-        });
+        let target = target(&gpu, format, [width, height]);
         let view = target.create_view(&Default::default());
         let camera = camera(width as f32 / height as f32);
         Self { gpu, aa, size: [width, height], exposure: 1.0, camera, band: None, target, view }

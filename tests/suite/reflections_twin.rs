@@ -1,5 +1,6 @@
 //! Mirrored and refracted rays against the twin: a hook shows what their hits are shaded from, one attribute a sample.
 
+use crate::harness::target;
 use crate::shadows::{looking, tiers};
 use bytemuck::pod_collect_to_vec;
 use deferred_aa::glam::{DAffine3, DVec3, Mat4, Vec2, Vec3, Vec4, vec3};
@@ -231,16 +232,7 @@ impl Node {
         let gpu = Gpu::new(adapter, &descriptor).expect("a device");
         let mut aa = DeferredAa::new(&gpu.device, &descriptor, None).expect("a node");
         aa.resize(&gpu.device, SIZE[0], SIZE[1]).expect("a size");
-        let target = gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("target"),
-            size: wgpu::Extent3d { width: SIZE[0], height: SIZE[1], depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: descriptor.target_format,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
-            view_formats: &[],
-        });
+        let target = target(&gpu, descriptor.target_format, SIZE);
         Self { tier, gpu, aa, target: target.create_view(&Default::default()) }
     }
 

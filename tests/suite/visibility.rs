@@ -1,6 +1,7 @@
 //! The visibility buffer: every attribute against the twin, the picture against the stored G-buffer's, and what the
 //! host may get wrong.
 
+use crate::harness::target;
 use crate::reflections_twin::{BUMPED, MATTE, at, ball, block, faces, floor, scaled, scene, turned, views};
 use crate::shadows::{full, looking};
 use bytemuck::pod_collect_to_vec;
@@ -38,8 +39,15 @@ fn host(scene: Scene, m: u32, [width, height]: [u32; 2], gbuffer: GBufferTier) -
     let (textures, rays) = (TextureTier::Arrays, RayTier::Software);
     let options = Options { width, height, m, textures, stall: 1, anisotropy: 4, rays, gbuffer };
     let name = scene.name.clone();
-    let gpu = Gpu::new(adapter(), &options.descriptor()).expect("a device");
-    Host::new(gpu, scene, options).unwrap_or_else(|e| panic!("{name}: {e}"))
+    Host::new(device(&options.descriptor()), scene, options).unwrap_or_else(|e| panic!("{name}: {e}"))
+}
+
+/// A device with no more than a node of this descriptor asks for.
+fn device(descriptor: &Descriptor<'_>) -> Gpu {
+    let adapter = adapter();
+    let needs = DeferredAa::requirements(&adapter, descriptor);
+    assert_eq!(needs.missing, Vec::<String>::new());
+    Gpu::with(adapter, needs.features, needs.limits).expect("a device")
 }
 
 // ---- Against the twin ----
@@ -68,7 +76,7 @@ fn pair(a: DVec2, b: DVec2) -> [f64; 4] {
     [a.x, a.y, b.x, b.y]
 }
 
-/// A node of m = 1 on a visibility buffer, whose image is the attribute.
+/// A node of m = 1, whose image is an attribute.
 struct Node {
     gpu: Gpu,
     aa: DeferredAa,
@@ -76,48 +84,51 @@ struct Node {
 }
 
 impl Node {
-    fn new(shown: &str) -> Self {
+    fn new(shown: &str, gbuffer: GBufferTier) -> Self {
         let source = format!("fn shade(s: DaaSample) -> vec4f {{ return {shown}; }}");
         let descriptor = Descriptor {
             m: 1,
-            gbuffer: GBufferTier::Visibility(Ids::Wide),
+            gbuffer,
             textures: TextureTier::Arrays,
             ..Descriptor::new(wgpu::TextureFormat::Rgba32Float, Shading { source: &source, file: "test.wgsl" })
         };
-        let gpu = Gpu::new(adapter(), &descriptor).expect("a device");
+        let gpu = device(&descriptor);
         let mut aa = DeferredAa::new(&gpu.device, &descriptor, None).expect("a node");
         aa.resize(&gpu.device, SIZE[0], SIZE[1]).expect("a size");
-        let target = gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("target"),
-            size: wgpu::Extent3d { width: SIZE[0], height: SIZE[1], depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: descriptor.target_format,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
-            view_formats: &[],
-        });
+        let target = target(&gpu, descriptor.target_format, SIZE);
         Self { gpu, aa, target }
     }
 
-    /// The image, and the G-buffer.
+    /// The image, and the first target and the depth of the G-buffer.
     fn render(&mut self, scene: &Scene, camera: &Camera) -> (Vec<[f32; 4]>, Vec<[u32; 2]>, Vec<f32>) {
+        let (device, queue) = (&self.gpu.device, &self.gpu.queue);
+        // With a tree, whose leaves are in another order than the mesh.
+        let mut rays = Rays::new(device, queue, Some(RayTier::Software), true, scene).unwrap();
+        let mut encoder = device.create_command_encoder(&Default::default());
+        rays.update(device, queue, &mut encoder, camera.eye).unwrap();
+        queue.submit([encoder.finish()]);
+        self.render_with(scene, camera, &rays.scene)
+    }
+
+    /// [`render`](Self::render) with meshes and instances of the test's own.
+    fn render_with(
+        &mut self,
+        scene: &Scene,
+        camera: &Camera,
+        rays: &RayScene,
+    ) -> (Vec<[f32; 4]>, Vec<[u32; 2]>, Vec<f32>) {
         let (gpu, aa) = (&self.gpu, &mut self.aa);
         let (device, queue) = (&gpu.device, &gpu.queue);
         let uploaded = GpuScene::new(device, queue, aa, scene, 1).unwrap();
         let raster = Raster::new(device, aa, TextureTier::Arrays, scene, &uploaded);
-        // With a tree, whose leaves are in another order than the mesh.
-        let tier = Some(RayTier::Software);
-        let mut rays = Rays::new(device, queue, tier, true, scene).unwrap();
         let camera = node_camera(camera, SIZE[0], SIZE[1]);
         let mut encoder = device.create_command_encoder(&Default::default());
         raster.record(queue, &mut encoder, scene, &uploaded, &camera, aa.gbuffer().unwrap());
-        rays.update(device, queue, &mut encoder, camera.world_from_view.w_axis.truncate()).unwrap();
         let view = self.target.create_view(&Default::default());
         let frame = Frame {
             settings: full(),
             textures: Some(&uploaded.table),
-            needs: Needs { rays: Some(&rays.scene), ..Default::default() },
+            needs: Needs { rays: Some(rays), ..Default::default() },
             ..Frame::new(camera, &view)
         };
         aa.record(queue, &mut encoder, &frame).expect("a frame");
@@ -184,7 +195,7 @@ fn every_attribute_is_the_twins() {
     let mut scenes = hard();
     scenes.extend(views().into_iter().filter(|(name, ..)| *name == "mirrored and stretched"));
     for (shown, value) in SHOWN {
-        let mut node = Node::new(shown);
+        let mut node = Node::new(shown, GBufferTier::Visibility(Ids::Wide));
         // What flattens a ball leaves tangents of almost no length, whose direction is rounding.
         let has = |name: &str| !(name == "flattened" && shown.contains("tangent"));
         for (name, scene, camera) in scenes.iter().filter(|(name, ..)| has(name)) {
@@ -255,6 +266,49 @@ fn attributes_of(mesh: &deferred_aa_demo::scene::Mesh) -> Vec<Attributes> {
         user: u32::from_le_bytes(mesh.colors[v].to_array().map(|c| (c * 255.0) as u8)),
     };
     (0..mesh.positions.len()).map(vertex).collect()
+}
+
+/// A mesh that was added in one shape and moved to another is shown as one that was added so.
+#[test]
+fn deformed_meshes_show_their_moved_vertices() {
+    if !has_ids() {
+        return;
+    }
+    let (_, before, camera) = hard().swap_remove(0);
+    let mut after = before.clone();
+    for mesh in &mut after.meshes {
+        mesh.positions.iter_mut().for_each(|p| *p = *p * vec3(1.1, 0.8, 1.2) + vec3(0.0, 0.1 * p.x, 0.0));
+        mesh.normals.iter_mut().for_each(|n| *n = (*n + vec3(0.3, 0.1, 0.0)).normalize());
+        mesh.uvs.iter_mut().for_each(|uv| *uv = *uv * 0.5 + 0.2);
+    }
+    for (shown, _) in SHOWN {
+        let mut node = Node::new(shown, GBufferTier::Visibility(Ids::Wide));
+        let (device, queue) = (&node.gpu.device, &node.gpu.queue);
+        let mut encoder = device.create_command_encoder(&Default::default());
+        let mut rays = RayScene::for_visibility(device, Some(RayTier::Software));
+        let built = deferred_aa_demo::rays::build(&before, true).unwrap();
+        let meshes: Vec<_> = built.iter().map(|mesh| rays.add(device, queue, &mut encoder, mesh).unwrap()).collect();
+        let instances: Vec<_> = (before.instances.iter())
+            .map(|i| Instance {
+                mesh: meshes[i.mesh],
+                world: Affine3A::from_mat4(i.world_from_mesh),
+                material: before.meshes[i.mesh].material as u32,
+                object: i.object.into(),
+                user: 0,
+            })
+            .collect();
+        rays.update(device, queue, &mut encoder, &instances, camera.eye).unwrap();
+        queue.submit([encoder.finish()]);
+        let still = node.render_with(&after, &camera, &rays).0;
+        for (&id, mesh) in meshes.iter().zip(&after.meshes) {
+            let positions: Vec<_> = mesh.positions.iter().map(|p| p.to_array()).collect();
+            rays.deform(&node.gpu.queue, id, &positions, &attributes_of(mesh)).unwrap();
+        }
+        let moved = node.render_with(&after, &camera, &rays).0;
+        assert!(moved == node.render(&after, &camera).0, "{shown}");
+        let stays = ["material", "user"].iter().any(|what| shown.contains(what));
+        assert!(stays || moved != still, "{shown}");
+    }
 }
 
 // ---- Against the stored G-buffer ----
@@ -351,9 +405,29 @@ fn channels_that_nobody_reads_change_no_bit() {
     assert_eq!(check(&mut some, &camera), []);
 }
 
+/// Each channel alone, in its narrower target, holds what it holds beside all others.
+#[test]
+fn each_channel_alone_is_the_same() {
+    let (_, scene, camera) = hard().swap_remove(0);
+    let none = Channels::NONE;
+    for (shown, channels, bytes) in [
+        ("vec4f(s.uv, s.ddx) * 0.25 + 0.5", Channels { uv: true, ..none }, 28),
+        ("vec4f(s.tangent * 0.5 + 0.5)", Channels { tangent: true, ..none }, 16),
+        ("vec4f(s.geometric_normal * 0.5 + 0.5, 1.0)", Channels { geometric_normal: true, ..none }, 16),
+        ("unpack4x8unorm(s.user)", Channels { user: true, ..none }, 16),
+        ("vec4f(s.normal * 0.5 + 0.5, f32(s.object))", none, 12),
+    ] {
+        let tier = GBufferTier::Stored(channels);
+        assert_eq!(tier.bytes_per_sample(), bytes);
+        let [all, alone] = [GBufferTier::default(), tier].map(|tier| Node::new(shown, tier).render(&scene, &camera).0);
+        assert!(all == alone, "{shown}");
+        assert!(all.iter().any(|pixel| pixel != &all[0]), "{shown}: nothing to tell apart");
+    }
+}
+
 #[test]
 fn a_channel_that_is_read_must_be_kept() {
-    let gpu = Gpu::new(adapter(), &Descriptor::new(FORMAT, WHITE)).expect("a device");
+    let gpu = device(&Descriptor::new(FORMAT, WHITE));
     let build = |source: &str, channels, rays| {
         let gbuffer = GBufferTier::Stored(channels);
         let descriptor = Descriptor { gbuffer, rays, ..Descriptor::new(FORMAT, Shading { source, file: "game.wgsl" }) };
@@ -376,11 +450,24 @@ fn rays_need_the_geometric_normal() {
     let rays = Some(RayTier::Software);
     let descriptor =
         Descriptor { rays, gbuffer: GBufferTier::Stored(Channels::NONE), ..Descriptor::new(FORMAT, WHITE) };
-    let gpu = Gpu::new(adapter(), &descriptor).expect("a device");
+    let gpu = device(&descriptor);
     assert_eq!(DeferredAa::new(&gpu.device, &descriptor, None).map(drop), Err(BuildError::RayChannel));
 }
 
 // ---- What a host may get wrong ----
+
+#[test]
+fn ids_leave_bits_for_both_halves() {
+    let gpu = device(&Descriptor::new(FORMAT, WHITE));
+    for triangle_bits in [0, 32, 40] {
+        let gbuffer = GBufferTier::Visibility(Ids::Narrow { triangle_bits });
+        let descriptor = Descriptor { gbuffer, ..Descriptor::new(FORMAT, WHITE) };
+        let limits = DeferredAa::requirements(&gpu.adapter, &descriptor).limits;
+        let gpu = Gpu::with(gpu.adapter.clone(), wgpu::Features::empty(), limits).expect("a device");
+        let refused = DeferredAa::new(&gpu.device, &descriptor, None).map(drop);
+        assert_eq!(refused, Err(BuildError::TriangleBits(triangle_bits)));
+    }
+}
 
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 const WHITE: Shading<'_> = Shading { source: crate::harness::WHITE, file: "test.wgsl" };
@@ -391,20 +478,11 @@ fn a_scene_that_does_not_serve_is_refused() {
         gbuffer: GBufferTier::Visibility(Ids::Narrow { triangle_bits: 1 }),
         ..Descriptor::new(FORMAT, WHITE)
     };
-    let gpu = Gpu::new(adapter(), &descriptor).expect("a device");
+    let gpu = device(&descriptor);
     let (device, queue) = (&gpu.device, &gpu.queue);
     let mut aa = DeferredAa::new(device, &descriptor, None).expect("a node");
     aa.resize(device, 8, 8).expect("a size");
-    let target = device.create_texture(&wgpu::TextureDescriptor {
-        label: None,
-        size: wgpu::Extent3d { width: 8, height: 8, depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: FORMAT,
-        usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
-        view_formats: &[],
-    });
+    let target = target(&gpu, FORMAT, [8, 8]);
     let view = target.create_view(&Default::default());
     let mut record = |rays: Option<&RayScene>| {
         let camera = crate::harness::camera(1.0);
@@ -437,7 +515,7 @@ fn a_scene_that_does_not_serve_is_refused() {
 
 #[test]
 fn meshes_and_instances_that_do_not_serve_are_refused() {
-    let gpu = Gpu::new(adapter(), &Descriptor::new(FORMAT, WHITE)).expect("a device");
+    let gpu = device(&Descriptor::new(FORMAT, WHITE));
     let (device, queue) = (&gpu.device, &gpu.queue);
     let mut encoder = device.create_command_encoder(&Default::default());
     let positions = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];

@@ -8,8 +8,7 @@ use crate::report::ReportError;
 use crate::report::cache::{About, Cache};
 use crate::report::schema::TruthInfo;
 use crate::report::session::Session;
-use deferred_aa::Rect;
-use deferred_aa::{DeferredAa, Settings};
+use deferred_aa::{DeferredAa, Rect, Settings};
 use glam::Vec2;
 use std::time::Instant;
 
