@@ -2,41 +2,48 @@
 
 use crate::harness::{Rig, SHOW_USER, Sample, fill, noise, rgba8};
 use crate::shadows::host;
+use crate::visibility::{self, adapter, has_ids};
 use deferred_aa::glam::Vec3;
 use deferred_aa::rays::RayTier;
 use deferred_aa::{
-    Band, ColorReference, DebugView, DeferredAa, Descriptor, Effect, Execution, Frame, Goal, Lattice, MultiResolution,
-    Needs, Pattern, RecordError, Rect, Selective, Settings, Shading, SizeError, Statistics, Technique, Weight, wgpu,
+    Band, ColorReference, DebugView, DeferredAa, Descriptor, Effect, Execution, Frame, GBufferTier, Goal, Lattice,
+    MultiResolution, Needs, Pattern, RecordError, Rect, Selective, Settings, Shading, SizeError, Statistics, Technique,
+    Weight, wgpu,
 };
 use deferred_aa_demo::gpu::Gpu;
-use deferred_aa_demo::host::{Host, HostError, Shot};
+use deferred_aa_demo::host::{Host, HostError, Shot, gbuffer_tier};
 use deferred_aa_demo::raster::node_camera;
 use deferred_aa_demo::scene::builtin::builtin;
 
-const SLICE: &str = "
-@group(0) @binding(0) var depth: texture_2d<f32>;
-@group(0) @binding(1) var surface: texture_2d<u32>;
-@group(0) @binding(2) var frame: texture_2d<u32>;
-@group(0) @binding(3) var uv: texture_2d<u32>;
-@group(0) @binding(4) var<uniform> origin: vec4u;
-@vertex fn vertex(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
-    return vec4f(f32(i & 1u) * 4.0 - 1.0, f32(i >> 1u) * 4.0 - 1.0, 0.5, 1.0);
-}
-struct Out {
+/// The shader that copies the targets of a tier, from an origin on.
+fn slice(tier: GBufferTier) -> String {
+    let (mut declared, mut fields, mut loads) = (String::new(), String::new(), String::new());
+    for (i, format) in tier.color_formats().into_iter().enumerate() {
+        let (ty, part) = match format {
+            wgpu::TextureFormat::R32Uint => ("u32", "x"),
+            wgpu::TextureFormat::Rg32Uint => ("vec2u", "xy"),
+            _ => ("vec4u", "xyzw"),
+        };
+        declared += &format!("@group(0) @binding({}) var color_{i}: texture_2d<u32>;\n", i + 2);
+        fields += &format!("    @location({i}) color_{i}: {ty},\n");
+        loads += &format!(", textureLoad(color_{i}, at, 0).{part}");
+    }
+    format!(
+        "@group(0) @binding(0) var<uniform> origin: vec4u;
+@group(0) @binding(1) var depth: texture_2d<f32>;
+{declared}
+struct Out {{
     @builtin(frag_depth) depth: f32,
-    @location(0) surface: vec2u,
-    @location(1) frame: vec2u,
-    @location(2) uv: vec4u,
-}
-@fragment fn fragment(@builtin(position) p: vec4f) -> Out {
+{fields}}}
+@vertex fn vertex(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {{
+    return vec4f(f32(i & 1u) * 4.0 - 1.0, f32(i >> 1u) * 4.0 - 1.0, 0.5, 1.0);
+}}
+@fragment fn fragment(@builtin(position) p: vec4f) -> Out {{
     let at = vec2u(p.xy) + origin.xy;
-    return Out(
-        textureLoad(depth, at, 0).x,
-        textureLoad(surface, at, 0).xy,
-        textureLoad(frame, at, 0).xy,
-        textureLoad(uv, at, 0),
-    );
-}";
+    return Out(textureLoad(depth, at, 0).x{loads});
+}}"
+    )
+}
 
 /// Copies the samples of a band out of the G-buffer of the whole image.
 struct Slicer {
@@ -46,11 +53,11 @@ struct Slicer {
 }
 
 impl Slicer {
-    fn new(gpu: &Gpu, whole: &deferred_aa::GBuffer) -> Self {
+    fn new(gpu: &Gpu, whole: &deferred_aa::GBuffer, tier: GBufferTier) -> Self {
         let device = &gpu.device;
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("slice"),
-            source: wgpu::ShaderSource::Wgsl(SLICE.into()),
+            source: wgpu::ShaderSource::Wgsl(slice(tier).into()),
         });
         let layout = {
             let texture = |binding, sample_type| wgpu::BindGroupLayoutEntry {
@@ -69,14 +76,12 @@ impl Slicer {
                     has_dynamic_offset: false,
                     min_binding_size: None,
                 },
-                ..texture(4, wgpu::TextureSampleType::Uint)
+                ..texture(0, wgpu::TextureSampleType::Uint)
             };
-            let [a, b, c] = [1, 2, 3].map(|binding| texture(binding, wgpu::TextureSampleType::Uint));
-            let depth = texture(0, wgpu::TextureSampleType::Float { filterable: false });
-            device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-                label: Some("slice"),
-                entries: &[depth, a, b, c, uniform],
-            })
+            let mut entries = vec![uniform, texture(1, wgpu::TextureSampleType::Float { filterable: false })];
+            entries.extend((2..).zip(&whole.color).map(|(binding, _)| texture(binding, wgpu::TextureSampleType::Uint)));
+            device
+                .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("slice"), entries: &entries })
         };
         let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some("slice"),
@@ -101,7 +106,7 @@ impl Slicer {
                 module: &module,
                 entry_point: Some("fragment"),
                 compilation_options: Default::default(),
-                targets: &deferred_aa::GBufferTier::default().color_targets(),
+                targets: &tier.color_targets(),
             }),
             multiview_mask: None,
             cache: None,
@@ -112,12 +117,10 @@ impl Slicer {
             usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        let views = [&whole.depth, &whole.color[0], &whole.color[1], &whole.color[2]];
-        let mut entries: Vec<_> = (0..)
-            .zip(views)
-            .map(|(binding, view)| wgpu::BindGroupEntry { binding, resource: wgpu::BindingResource::TextureView(view) })
-            .collect();
-        entries.push(wgpu::BindGroupEntry { binding: 4, resource: origin.as_entire_binding() });
+        let mut entries = vec![wgpu::BindGroupEntry { binding: 0, resource: origin.as_entire_binding() }];
+        entries.extend((1..).zip(std::iter::once(&whole.depth).chain(&whole.color)).map(|(binding, view)| {
+            wgpu::BindGroupEntry { binding, resource: wgpu::BindingResource::TextureView(view) }
+        }));
         let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("slice"),
             layout: &layout,
@@ -153,14 +156,18 @@ struct Pair {
 
 impl Pair {
     fn new(name: &str, m: u32, size: [u32; 2]) -> Self {
-        let mut whole = host(builtin(name).expect("a scene"), m, size);
+        Self::of(host(builtin(name).expect("a scene"), m, size))
+    }
+
+    /// Of a host that renders the whole.
+    fn of(mut whole: Host) -> Self {
         let options = whole.options;
-        let banded = Host::within(whole.gpu.clone(), builtin(name).expect("a scene"), options, Some(u64::MAX));
+        let banded = Host::within(whole.gpu.clone(), whole.scene.clone(), options, Some(u64::MAX));
         let camera = whole.scene.default_camera();
         whole
             .frame(&camera, without_rays(Settings { technique: Technique::Single, ..Default::default() }))
             .expect("a frame");
-        let slicer = Slicer::new(&whole.gpu, whole.aa.gbuffer().expect("a size"));
+        let slicer = Slicer::new(&whole.gpu, whole.aa.gbuffer().expect("a size"), options.gbuffer);
         Self { whole, banded: banded.expect("a host"), slicer }
     }
 
@@ -291,6 +298,25 @@ fn bands_make_the_image_of_a_whole_frame() {
 #[test]
 fn bands_of_odd_windows_make_the_image_of_a_whole_frame() {
     assert_all_same("shadows", 3, [187, 29], 5);
+}
+
+/// A visibility buffer, whose samples are read by the rays of the whole image.
+#[test]
+fn bands_of_triangles_make_the_image_of_a_whole_frame() {
+    if !has_ids() {
+        return;
+    }
+    for (name, m, size) in [("mirrors", 2, [45, 131]), ("fence", 3, [77, 43])] {
+        let scene = builtin(name).expect("a scene");
+        let tier = gbuffer_tier(&scene, &adapter());
+        let mut pair = Pair::of(visibility::host(scene, m, size, tier));
+        for technique in Technique::ALL {
+            let settings = Settings { technique, ..Default::default() };
+            let bands = pair.about(settings, 5);
+            assert!(bands.len() > 1, "{name} {technique:?}");
+            pair.assert_same(settings, &bands, &format!("{name} {technique:?}"));
+        }
+    }
 }
 
 /// One tile of output in each band, where bands cut tiles and windows of neighbours.

@@ -22,12 +22,12 @@ use deferred_aa_demo::upload::GpuScene;
 
 const SIZE: [u32; 2] = [61, 47];
 
-fn adapter() -> wgpu::Adapter {
+pub fn adapter() -> wgpu::Adapter {
     gpu::choose(std::env::var("WGPU_ADAPTER_NAME").ok().as_deref()).expect("tests need an adapter")
 }
 
 /// Whether the adapter tells triangles apart; says so if not.
-fn has_ids() -> bool {
+pub fn has_ids() -> bool {
     let has = adapter().features().contains(wgpu::Features::PRIMITIVE_INDEX);
     if !has {
         eprintln!("skipped: the adapter has no primitive index");
@@ -35,7 +35,7 @@ fn has_ids() -> bool {
     has
 }
 
-fn host(scene: Scene, m: u32, [width, height]: [u32; 2], gbuffer: GBufferTier) -> Host {
+pub fn host(scene: Scene, m: u32, [width, height]: [u32; 2], gbuffer: GBufferTier) -> Host {
     let (textures, rays) = (TextureTier::Arrays, RayTier::Software);
     let options = Options { width, height, m, textures, stall: 1, anisotropy: 4, rays, gbuffer };
     let name = scene.name.clone();
