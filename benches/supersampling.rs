@@ -1,10 +1,9 @@
 //! What adaptive supersampling costs beside full supersampling: GPU time of the presets over that of `Full`, frame by
 //! frame in turn, on the built-in atrium. Ratios hold where milliseconds drift. `cargo bench --bench supersampling`
 
-use deferred_aa::rays::RayTier;
-use deferred_aa::{GBufferTier, Preset, Settings, Technique, TextureTier};
+use deferred_aa::{Preset, Settings, Technique, TextureTier};
 use deferred_aa_demo::gpu::{self, Gpu};
-use deferred_aa_demo::host::{self, Host, Options, Shot};
+use deferred_aa_demo::host::{Host, Options, Shot};
 use deferred_aa_demo::scene::builtin::builtin;
 use deferred_aa_demo::stats::Spread;
 use std::error::Error;
@@ -56,19 +55,10 @@ struct Ratios {
 
 fn case(adapter: wgpu::Adapter, m: u32, stall: u32) -> Result<(), Box<dyn Error>> {
     let textures = TextureTier::Arrays;
-    let gpu = Gpu::new(adapter, &host::descriptor(m, textures, RayTier::Software, GBufferTier::default()))?;
+    let options = Options { textures, stall, ..Options::new(SIZE.0, SIZE.1, m) };
+    let gpu = Gpu::new(adapter, &options.descriptor())?;
     let scene = builtin(SCENE).ok_or("no such scene")?;
     let camera = scene.default_camera();
-    let options = Options {
-        width: SIZE.0,
-        height: SIZE.1,
-        m,
-        textures,
-        stall,
-        anisotropy: 16,
-        rays: RayTier::Software,
-        gbuffer: GBufferTier::default(),
-    };
     let mut host = Host::new(gpu, scene, options)?;
     let full = Settings { technique: Technique::Full, ..Default::default() };
     let mut all = Preset::ALL.map(|_| Ratios::default());

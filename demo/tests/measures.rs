@@ -1,9 +1,8 @@
 //! The peers and the oracle on a scene: do they mean what they say?
 
-use deferred_aa::rays::RayTier;
-use deferred_aa::{GBufferTier, Settings, Technique, TextureTier};
+use deferred_aa::{Settings, Technique};
 use deferred_aa_demo::gpu::{self, Gpu};
-use deferred_aa_demo::host::{self, Host, Options};
+use deferred_aa_demo::host::{Host, Options};
 use deferred_aa_demo::oracle::{self, Windows};
 use deferred_aa_demo::peers::{Peer, Peers};
 use deferred_aa_demo::quality;
@@ -15,21 +14,8 @@ const HEIGHT: u32 = 90;
 const M: u32 = 4;
 
 fn host(scene: &str, width: u32, height: u32, m: u32) -> Host {
-    let gpu = Gpu::new(
-        gpu::choose(None).unwrap(),
-        &host::descriptor(m, TextureTier::Arrays, RayTier::Software, GBufferTier::default()),
-    )
-    .unwrap();
-    let options = Options {
-        width,
-        height,
-        m,
-        textures: TextureTier::Arrays,
-        stall: 1,
-        anisotropy: 16,
-        rays: RayTier::Software,
-        gbuffer: GBufferTier::default(),
-    };
+    let options = Options::new(width, height, m);
+    let gpu = Gpu::new(gpu::choose(None).unwrap(), &options.descriptor()).unwrap();
     Host::new(gpu, builtin(scene).unwrap(), options).unwrap()
 }
 

@@ -7,11 +7,11 @@
 use crate::shadows::tiers;
 use deferred_aa::rays::RayTier;
 use deferred_aa::{
-    BINDING_FEATURES, ColorReference, DebugView, Effect, Execution, GBufferTier, Goal, Lattice, MultiResolution,
-    Pattern, Reconstructed, Selective, Settings, Statistics, Technique, TextureTier, Weight, Windowed, wgpu,
+    BINDING_FEATURES, ColorReference, DebugView, Effect, Execution, Goal, Lattice, MultiResolution, Pattern,
+    Reconstructed, Selective, Settings, Statistics, Technique, TextureTier, Weight, Windowed, wgpu,
 };
 use deferred_aa_demo::gpu::{self, Gpu};
-use deferred_aa_demo::host::{Host, Options, descriptor};
+use deferred_aa_demo::host::{Host, Options};
 use deferred_aa_demo::scene::builtin::{self, builtin};
 use std::collections::HashMap;
 use std::fmt::Write as _;
@@ -118,10 +118,9 @@ fn lines(name: &str, m: u32, tier: RayTier) -> String {
         RayTier::Query if adapter.features().contains(BINDING_FEATURES) => TextureTier::Bindings,
         _ => TextureTier::Arrays,
     };
-    let gpu = Gpu::new(adapter, &descriptor(m, textures, tier, GBufferTier::default())).expect("a device");
     let [width, height] = SIZE;
-    let options =
-        Options { width, height, m, textures, stall: 1, anisotropy: 4, rays: tier, gbuffer: GBufferTier::default() };
+    let options = Options { textures, anisotropy: 4, rays: tier, ..Options::new(width, height, m) };
+    let gpu = Gpu::new(adapter, &options.descriptor()).expect("a device");
     let mut host = Host::new(gpu, builtin(name).expect("a scene"), options).expect("a host");
     let mut text = String::new();
     let mut line = |what: &str, [image, counters, plan]: [u32; 3]| {

@@ -2,11 +2,10 @@
 
 use crate::harness::{Rig, SHOW_USER, Sample, noise, rgba8};
 use deferred_aa::glam::Vec3;
-use deferred_aa::rays::RayTier;
 use deferred_aa::reference::audit;
-use deferred_aa::{DeferredAa, Execution, GBufferTier, Goal, GoalState, Needs, Settings, Technique, TextureTier};
+use deferred_aa::{DeferredAa, Execution, Goal, GoalState, Needs, Settings, Technique};
 use deferred_aa_demo::gpu::{self, Gpu};
-use deferred_aa_demo::host::{self, Host, Options};
+use deferred_aa_demo::host::{Host, Options};
 use deferred_aa_demo::scene::builtin;
 
 /// Edges of objects and noise of several strengths, and some sky.
@@ -71,19 +70,8 @@ fn an_error_is_kept_on_every_scene() {
         let scene = builtin::builtin(name).expect("built in");
         let camera = scene.default_camera();
         let adapter = gpu::choose(None).expect("tests need an adapter");
-        let gpu =
-            Gpu::new(adapter, &host::descriptor(4, TextureTier::Arrays, RayTier::Software, GBufferTier::default()))
-                .expect("a device");
-        let options = Options {
-            width: 64,
-            height: 36,
-            m: 4,
-            textures: TextureTier::Arrays,
-            stall: 1,
-            anisotropy: 16,
-            rays: RayTier::Software,
-            gbuffer: GBufferTier::default(),
-        };
+        let options = Options::new(64, 36, 4);
+        let gpu = Gpu::new(adapter, &options.descriptor()).expect("a device");
         let mut host = Host::new(gpu, scene, options).expect("a host");
         host.frame(&camera, Settings { technique: Technique::Full, ..Default::default() }).expect("a frame");
         let full = host.picture();

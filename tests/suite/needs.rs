@@ -96,16 +96,7 @@ fn shadows_alone_are_not_refused_for_the_room_of_reflections() {
     let needed = DeferredAa::requirements(&adapter, &descriptor);
     // On the limits of every device a word for each sample fits, and six more for each pixel do not.
     let gpu = Gpu::with(adapter, needed.features, needed.limits).expect("a device");
-    let options = Options {
-        width: 2312,
-        height: 2080,
-        m: 1,
-        textures: TextureTier::Arrays,
-        stall: 1,
-        anisotropy: 1,
-        rays: RayTier::Software,
-        gbuffer: GBufferTier::default(),
-    };
+    let options = Options { anisotropy: 1, ..Options::new(2312, 2080, 1) };
     let mut host = Host::new(gpu, builtin("shadows").unwrap(), options).expect("a host");
     let (device, camera) = (host.gpu.device.clone(), host.scene.default_camera());
     let mut outcome = |settings| {

@@ -3,13 +3,12 @@
 use crate::harness::{Output, Rig, SHOW_USER, Sample, WHITE, camera, noise, rgba8, stored_normal};
 use crate::textures::{SHOW_TEXTURE, Textured, fixed_k, full, level, mip_ruler, single, texture, tiers};
 use deferred_aa::glam::{DVec3, Mat4, Vec2, Vec3, Vec4};
-use deferred_aa::rays::RayTier;
 use deferred_aa::reference::metrics::SKY_DEPTH;
 use deferred_aa::reference::{octahedral, plan, resolve};
 use deferred_aa::wgpu::TextureFormat;
 use deferred_aa::{
-    Camera, DebugView, DepthMeasure, Execution, GBufferTier, LuminanceCurve, Preset, RecordError, Settings,
-    TableSampler, Technique, TextureTier, Weight, Windowed,
+    Camera, DebugView, DepthMeasure, Execution, LuminanceCurve, Preset, RecordError, Settings, TableSampler, Technique,
+    TextureTier, Weight, Windowed,
 };
 use deferred_aa_demo::host::{Host, HostError, Options};
 use deferred_aa_demo::scene::{Lens, builtin};
@@ -1148,19 +1147,9 @@ fn row_25_everything_at_the_near_plane_or_far_away_is_finite() {
 fn row_25_a_camera_inside_geometry_or_beyond_it_still_gives_a_picture() {
     let scene = builtin::builtin("cornell").unwrap();
     let own = scene.default_camera();
-    let options = Options {
-        width: 32,
-        height: 18,
-        m: 2,
-        textures: TextureTier::Arrays,
-        stall: 1,
-        anisotropy: 4,
-        rays: RayTier::Software,
-        gbuffer: GBufferTier::default(),
-    };
+    let options = Options { anisotropy: 4, ..Options::new(32, 18, 2) };
     let adapter = deferred_aa_demo::gpu::choose(std::env::var("WGPU_ADAPTER_NAME").ok().as_deref()).unwrap();
-    let descriptor =
-        deferred_aa_demo::host::descriptor(2, TextureTier::Arrays, RayTier::Software, GBufferTier::default());
+    let descriptor = options.descriptor();
     let gpu = deferred_aa_demo::gpu::Gpu::new(adapter, &descriptor).unwrap();
     let mut host = Host::new(gpu, scene, options).unwrap();
     let at = |eye: Vec3| deferred_aa_demo::scene::Camera { eye, target: eye + Vec3::NEG_Z, ..own };

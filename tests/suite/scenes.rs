@@ -24,16 +24,7 @@ fn gpu(m: u32, tier: TextureTier) -> Gpu {
 }
 
 fn host(scene: Scene, tier: TextureTier, m: u32, [width, height]: [u32; 2]) -> Host {
-    let options = Options {
-        width,
-        height,
-        m,
-        textures: tier,
-        stall: 1,
-        anisotropy: 8,
-        rays: RayTier::Software,
-        gbuffer: GBufferTier::default(),
-    };
+    let options = Options { textures: tier, anisotropy: 8, ..Options::new(width, height, m) };
     let name = scene.name.clone();
     Host::new(gpu(m, tier), scene, options).unwrap_or_else(|e| panic!("{name}: {e}"))
 }

@@ -5,9 +5,9 @@ use deferred_aa::glam::{DAffine3, Mat4, Vec2, Vec3, Vec4, vec3};
 use deferred_aa::rays::{QUERY_FEATURES, RayTier};
 use deferred_aa::reference::rays as twin;
 use deferred_aa::reference::rays::trace::Input;
-use deferred_aa::{DeferredAa, Effect, Execution, GBufferTier, Reconstructed, Settings, Technique, TextureTier};
+use deferred_aa::{DeferredAa, Effect, Execution, Reconstructed, Settings, Technique};
 use deferred_aa_demo::gpu::{self, Gpu};
-use deferred_aa_demo::host::{Host, Options, descriptor};
+use deferred_aa_demo::host::{Host, Options};
 use deferred_aa_demo::picture::Picture;
 use deferred_aa_demo::quality::{edge_psnr, psnr};
 use deferred_aa_demo::raster::node_camera;
@@ -16,17 +16,8 @@ use deferred_aa_demo::scene::{Camera, Instance, Light, LightKind, Mesh, Scene, S
 
 pub fn host_on(scene: Scene, m: u32, [width, height]: [u32; 2], rays: RayTier) -> Host {
     let adapter = gpu::choose(std::env::var("WGPU_ADAPTER_NAME").ok().as_deref()).expect("tests need an adapter");
-    let gpu = Gpu::new(adapter, &descriptor(m, TextureTier::Arrays, rays, GBufferTier::default())).expect("a device");
-    let options = Options {
-        width,
-        height,
-        m,
-        textures: TextureTier::Arrays,
-        stall: 1,
-        anisotropy: 4,
-        rays,
-        gbuffer: GBufferTier::default(),
-    };
+    let options = Options { anisotropy: 4, rays, ..Options::new(width, height, m) };
+    let gpu = Gpu::new(adapter, &options.descriptor()).expect("a device");
     Host::new(gpu, scene, options).expect("a host")
 }
 

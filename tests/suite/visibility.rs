@@ -36,8 +36,7 @@ pub fn has_ids() -> bool {
 }
 
 pub fn host(scene: Scene, m: u32, [width, height]: [u32; 2], gbuffer: GBufferTier) -> Host {
-    let (textures, rays) = (TextureTier::Arrays, RayTier::Software);
-    let options = Options { width, height, m, textures, stall: 1, anisotropy: 4, rays, gbuffer };
+    let options = Options { anisotropy: 4, gbuffer, ..Options::new(width, height, m) };
     let name = scene.name.clone();
     Host::new(device(&options.descriptor()), scene, options).unwrap_or_else(|e| panic!("{name}: {e}"))
 }

@@ -228,6 +228,13 @@ fn target(device: &wgpu::Device, width: u32, height: u32) -> (wgpu::Texture, wgp
 }
 
 impl Options {
+    /// Options for pictures of this size: textures in arrays, no stall, an anisotropy of 16, rays in software and a stored
+    /// G-buffer.
+    pub fn new(width: u32, height: u32, m: u32) -> Self {
+        let (textures, rays, gbuffer) = (TextureTier::Arrays, RayTier::Software, GBufferTier::default());
+        Self { width, height, m, textures, stall: 1, anisotropy: 16, rays, gbuffer }
+    }
+
     /// The descriptor of a node with these options.
     pub fn descriptor(&self) -> Descriptor<'static> {
         descriptor(self.m, self.textures, self.rays, self.gbuffer)

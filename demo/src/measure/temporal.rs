@@ -131,10 +131,10 @@ impl Flicker {
 mod tests {
     use super::*;
     use crate::host::gpu::{self, Gpu};
-    use crate::host::{self, Host, Options};
+    use crate::host::{Host, Options};
     use crate::scene::builtin::builtin;
-    use deferred_aa::rays::RayTier;
-    use deferred_aa::{GBufferTier, Settings, Technique, TextureTier};
+
+    use deferred_aa::{Settings, Technique};
 
     fn grey(values: &[f32]) -> Picture {
         Picture::new(values.len() as u32, 1, values.iter().map(|&v| [v, v, v, 1.0]).collect()).unwrap()
@@ -220,21 +220,8 @@ mod tests {
     #[test]
     fn a_pan_of_all_frames_is_one_pixel() {
         let (width, height, m) = (64, 36, 2);
-        let gpu = Gpu::new(
-            gpu::choose(None).unwrap(),
-            &host::descriptor(m, TextureTier::Arrays, RayTier::Software, GBufferTier::default()),
-        )
-        .unwrap();
-        let options = Options {
-            width,
-            height,
-            m,
-            textures: TextureTier::Arrays,
-            stall: 1,
-            anisotropy: 16,
-            rays: RayTier::Software,
-            gbuffer: GBufferTier::default(),
-        };
+        let options = Options::new(width, height, m);
+        let gpu = Gpu::new(gpu::choose(None).unwrap(), &options.descriptor()).unwrap();
         let mut host = Host::new(gpu, builtin("fence").unwrap(), options).unwrap();
         let view = host.scene.default_camera();
         let settings = Settings { technique: Technique::Full, ..Default::default() };

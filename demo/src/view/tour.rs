@@ -110,8 +110,6 @@ mod tests {
     use crate::host::Options;
     use crate::view::renderer;
     use crate::view::{Kept, Source, Start};
-    use deferred_aa::rays::RayTier;
-    use deferred_aa::{GBufferTier, TextureTier};
     use egui::{Context, DroppedFile, DroppedFileHandle, Event, Modifiers, PointerButton, Pos2, RawInput, Rect, pos2};
     use std::path::{Path, PathBuf};
     use std::sync::Arc;
@@ -148,16 +146,7 @@ mod tests {
 
         fn kept_at(scene: &str, kept: Kept, kept_at: Option<PathBuf>) -> Self {
             let ctx = Context::default();
-            let options = Options {
-                width: 48,
-                height: 27,
-                m: 2,
-                textures: TextureTier::Arrays,
-                stall: 1,
-                anisotropy: 16,
-                rays: RayTier::Software,
-                gbuffer: GBufferTier::default(),
-            };
+            let options = Options::new(48, 27, 2);
             let source = Source { name: scene.to_owned(), index: None };
             let start = Start { source, camera: None, options, adapter: None, kept, kept_at, fill: false };
             let app = App::new(&ctx, start).unwrap();

@@ -155,35 +155,18 @@ mod tests {
     use crate::measure::quality;
     use crate::scene::builtin::builtin;
     use crate::scene::{Light, LightKind, Scene};
-    use deferred_aa::rays::RayTier;
-    use deferred_aa::{GBufferTier, TextureTier};
+
+    use deferred_aa::TextureTier;
     use glam::{Mat4, Vec3};
 
     const SIZE: (u32, u32) = (64, 36);
 
     fn host(scene: Scene, m: u32) -> Host {
         let textures = TextureTier::Arrays;
-        let gpu = Gpu::new(
-            gpu::choose(None).unwrap(),
-            &host::descriptor(m, textures, RayTier::Software, GBufferTier::default()),
-        )
-        .unwrap();
         let (width, height) = SIZE;
-        Host::new(
-            gpu,
-            scene,
-            Options {
-                width,
-                height,
-                m,
-                textures,
-                stall: 1,
-                anisotropy: 16,
-                rays: RayTier::Software,
-                gbuffer: GBufferTier::default(),
-            },
-        )
-        .unwrap()
+        let options = Options { textures, ..Options::new(width, height, m) };
+        let gpu = Gpu::new(gpu::choose(None).unwrap(), &options.descriptor()).unwrap();
+        Host::new(gpu, scene, options).unwrap()
     }
 
     fn rendered(m: u32, side: u32) -> Picture {

@@ -332,8 +332,6 @@ fn lost_or(e: HostError) -> Result<String, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use deferred_aa::rays::RayTier;
-    use deferred_aa::{GBufferTier, TextureTier};
     use std::sync::mpsc::channel;
     use std::sync::{Condvar, Mutex};
 
@@ -351,16 +349,7 @@ mod tests {
         };
         let shared = Arc::new(Shared { wanted: Mutex::new(wanted), changed: Condvar::new() });
         let (say, _events) = channel();
-        let options = Options {
-            width: 8,
-            height: 8,
-            m: 1,
-            textures: TextureTier::Arrays,
-            stall: 1,
-            anisotropy: 1,
-            rays: RayTier::Software,
-            gbuffer: GBufferTier::default(),
-        };
+        let options = Options { anisotropy: 1, ..Options::new(8, 8, 1) };
         let mut renderer = Renderer::new(shared, options, None, Box::new(move |event| drop(say.send(event))));
         renderer.open(&Source { name: "empty".to_owned(), index: None }, 1).unwrap();
         for _ in 0..MOST_RECOVERIES {
