@@ -27,6 +27,10 @@ struct DaaDrawn {
     y: vec3f,
     z: vec3f,
     attributes: DaaTriangle,
+    /// Whether all vertices have one normal, and then its code as seen from the side on which they run
+    /// counterclockwise, and from the other.
+    flat: bool,
+    flat_codes: vec2u,
 }
 
 /// The triangle that was read last. Most samples of a window show the same.
@@ -76,6 +80,15 @@ fn daa_read_triangle(ids: vec2u) {
         daa_meshes[corners.z + names.y],
         vec3u(word_a.w, word_b.w, word_c.w),
     );
+    let normals = daa_drawn.attributes.normals;
+    daa_drawn.flat = all(normals.xx == normals.yz);
+    if daa_drawn.flat {
+        let first = vec3f(1.0, 0.0, 0.0);
+        daa_drawn.flat_codes = vec2u(
+            pack2x16snorm(daa_octahedral_encode(daa_drawn_normal(first, -1.0))),
+            pack2x16snorm(daa_octahedral_encode(daa_drawn_normal(first, 1.0))),
+        );
+    }
 }
 
 /// Where a ray meets the plane of the triangle.
@@ -105,6 +118,12 @@ fn daa_meet(near: vec4f) -> DaaMeeting {
     let facing = dot(daa_drawn.plane, direction);
     let point = origin + direction * (dot(daa_drawn.plane, daa_drawn.a - origin) / facing);
     return DaaMeeting(point, daa_weights_of(point), facing);
+}
+
+/// `DaaMeeting::facing` of the ray through a point of the near plane.
+fn daa_facing(near: vec4f) -> f32 {
+    let direction = select(near.xyz * sign(near.w), daa_frame.camera_forward, daa_frame.orthographic != 0u);
+    return dot(daa_drawn.plane, direction);
 }
 
 /// The point of the near plane under the centre of a sample, homogeneous and relative to the camera.
@@ -166,7 +185,13 @@ fn daa_surface_at(at: vec2u) -> vec2u {
         return vec2u(0u);
     }
     daa_read_triangle(ids);
-    let met = daa_shown_point(at, daa_near_point(at));
+    let near = daa_near_point(at);
+    if daa_drawn.flat {
+        // The weights of the vertices make no difference.
+        let code = select(daa_drawn.flat_codes.y, daa_drawn.flat_codes.x, daa_facing(near) < 0.0);
+        return vec2u(code, daa_drawn.identity);
+    }
+    let met = daa_shown_point(at, near);
     let normal = daa_drawn_normal(daa_inside(met.weights), met.facing);
     return vec2u(pack2x16snorm(daa_octahedral_encode(normal)), daa_drawn.identity);
 }
