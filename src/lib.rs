@@ -78,7 +78,7 @@ pub use host::graph::{
     Grid, LatticeShape, Lifetime, Part, PartInfo, PartKind, PassInfo, PassKind, Resource, ResourceSet, Rounds, Stage,
 };
 pub use host::intermediates::Intermediates;
-pub use host::needs::{CastingLight, MAX_CASTING_LIGHTS, Needs, ObjectImportance};
+pub use host::needs::{CastingLight, Depth, MAX_CASTING_LIGHTS, Needs, ObjectImportance};
 pub use host::plan::{Attribute, DecidedBy, PlanWord, Slots};
 pub use host::requirements::{Memory, Requirements};
 pub use host::shader::Shader;

@@ -6,6 +6,7 @@ mod bands;
 mod bits;
 mod checker;
 mod debug_views;
+mod depth;
 mod example;
 mod goals;
 mod graph;
