@@ -4,6 +4,7 @@
 mod api;
 mod bands;
 mod bits;
+mod blend;
 mod checker;
 mod debug_views;
 mod depth;
