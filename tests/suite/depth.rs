@@ -29,7 +29,7 @@ fn busy(x: u32, y: u32) -> Sample {
         2 => f32::NAN,
         3 => 7.0,
         4 => -0.5,
-        _ if (x / 16 + y / 16) % 3 == 0 => 0.0,
+        _ if (x / 16 + y / 16).is_multiple_of(3) => 0.0,
         _ => noise(x * 104_729 + y),
     };
     Sample { depth, user: rgba8(random, 0.5, 1.0, 1.0), object: 1 + (x / 9 + y / 7) % 3, ..Default::default() }
