@@ -118,6 +118,20 @@ fn panes_are_mixed_by_the_over_operator() {
     }
 }
 
+/// Along the edges of a block before a pane that lets nothing through, nothing of the wall behind both is seen.
+#[test]
+fn no_background_shines_through_at_edges() {
+    let opaque = Material { blended: true, ..paint(Vec4::new(FAR.x, FAR.y, FAR.z, 1.0)) };
+    let placed =
+        vec![square(0, [0.0, 0.0, -4.0], 8.0), square(1, [0.0, 0.0, -2.0], 4.0), square(2, [0.013, 0.007, -1.0], 0.1)];
+    let made = Scene { materials: vec![paint(WALL), opaque, paint(BLOCKER)], ..scene(placed) };
+    let mut host = visibility::host(made, 4, SIZE, GBufferTier::default());
+    let seen = picture(&mut host, full());
+    assert!(seen.iter().any(|c| (c[1] - BLOCKER.y).abs() < 1e-3) && seen.iter().any(|c| (c[1] - FAR.y).abs() < 1e-3));
+    let greenest = seen.iter().map(|c| c[1]).fold(0.0, f32::max);
+    assert!(greenest < BLOCKER.y + 1e-3, "{greenest}");
+}
+
 /// Whatever the order of the scene's instances, with the same bits; and panes of the same distance stay in one order.
 #[test]
 fn the_order_of_instances_makes_no_difference() {

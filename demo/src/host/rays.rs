@@ -25,7 +25,7 @@ pub struct Rays {
 
 impl Rays {
     /// Builds the bottom levels on all cores and uploads them, for rays on a tier, for a visibility buffer, or both. No ray
-    /// meets a blended instance.
+    /// meets the blended instances, which come last in the scene.
     pub fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
