@@ -335,7 +335,8 @@ pub enum RecordError {
     },
     /// The depth texture has another size than the target, or than the node if the frame has no viewport.
     #[error(
-        "the depth texture is {depth_width}×{depth_height}, the target {width}×{height}; create it with the target's size"
+        "the depth texture is {depth_width}×{depth_height}, the target {width}×{height}; \
+         create it with the target's size"
     )]
     DepthSize {
         /// The width of the depth texture.

@@ -38,9 +38,9 @@ pub struct Frame<'a> {
     /// texture and wgpu does not tell which.
     pub target: &'a wgpu::TextureView,
     /// The view of the host's texture that depth is written to; required if [`Needs::depth`] asks for it, else `None`.
-    /// Its format is [`DEPTH_FORMAT`](crate::gbuffer::DEPTH_FORMAT), its usage `RENDER_ATTACHMENT`, its size that of the
-    /// target. The same pixels as of the target are written, and what lies around them is kept, so that a render pass
-    /// may then have both as attachments. Depth is reversed: 1 is near, 0 is far and the sky.
+    /// Its format is [`DEPTH_FORMAT`](crate::gbuffer::DEPTH_FORMAT), its usage `RENDER_ATTACHMENT`, and its size that of
+    /// the target. The same pixels as of the target are written, and what lies around them is kept, so that a render
+    /// pass may then have both as attachments. Depth is reversed: 1 is near, 0 is far and the sky.
     pub depth: Option<&'a wgpu::TextureView>,
     /// The rectangle of the target that the image is written to, of the size of the node; the view shows the texture's
     /// largest mip level. What lies around it is kept. `None`: the target has the size of the node.

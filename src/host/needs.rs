@@ -1,5 +1,5 @@
-//! What a scene needs besides shading: rays, the marks of materials and objects that `Selective` reads, and depth at the
-//! output's size.
+//! What a scene needs besides shading: rays, the marks of materials and objects that `Selective` reads, and depth at
+//! the output's size.
 
 use crate::rays::RayScene;
 use crate::settings::{Effect, Settings};

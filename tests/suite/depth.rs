@@ -1,5 +1,5 @@
-//! Depth at the output's size: against the twin, in bands, in a rectangle of a larger texture, and what the host may get
-//! wrong.
+//! Depth at the output's size: against the twin, in bands, in a rectangle of a larger texture, and what the host may
+//! get wrong.
 
 use crate::harness::{Rig, SHOW_USER, Sample, WHITE, fill, noise, rgba8, target};
 use crate::visibility::{self, adapter, has_ids};

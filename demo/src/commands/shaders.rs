@@ -36,8 +36,8 @@ pub struct Shaders {
     /// What the G-buffer keeps of a sample: stored (its attributes) or visibility (its triangle).
     #[arg(long, default_value = "stored")]
     gbuffer: GBufferArg,
-    /// Which sample of a pixel's window gives the depth that the frames also write at the output's size, for what is drawn
-    /// over the image: nearest, farthest or first; no such pass if not given.
+    /// Which sample of a pixel's window gives the depth that the frames also write at the output's size, for what is
+    /// drawn over the image: nearest, farthest or first; no such pass if not given.
     #[arg(long)]
     depth: Option<DepthArg>,
 }

@@ -1,5 +1,5 @@
-// Draws blended surfaces over the image, lit by the functions that light all others, but for what takes rays: no light is
-// shadowed, and only the sky is mirrored. Joined with the contract, the texture table, material.wgsl, textured.wgsl,
+// Draws blended surfaces over the image, lit by the functions that light all others, but for what takes rays: no light
+// is shadowed, and only the sky is mirrored. Joined with the contract, the texture table, material.wgsl, textured.wgsl,
 // shading.wgsl and vertices.wgsl.
 
 /// The greatest value that the target holds.

@@ -1,5 +1,5 @@
-// Renders the scene into the G-buffer. Joined with material.wgsl and vertices.wgsl; raster_stored.wgsl and raster_ids.wgsl
-// have the fragments of the two tiers.
+// Renders the scene into the G-buffer. Joined with material.wgsl and vertices.wgsl; raster_stored.wgsl and
+// raster_ids.wgsl have the fragments of the two tiers.
 
 @group(0) @binding(2) var<storage, read> materials: array<Material>;
 

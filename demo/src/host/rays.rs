@@ -24,8 +24,8 @@ pub struct Rays {
 }
 
 impl Rays {
-    /// Builds the bottom levels on all cores and uploads them, for rays on a tier, for a visibility buffer, or both. No ray
-    /// meets the blended instances, which come last in the scene.
+    /// Builds the bottom levels on all cores and uploads them, for rays on a tier, for a visibility buffer, or both. No
+    /// ray meets the blended instances, which come last in the scene.
     pub fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
