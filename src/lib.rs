@@ -89,6 +89,7 @@ pub use host::statistics::{DecidedCounts, PassTime, PointCounts, QuadrantCounts,
 pub use host::table::{
     BINDING_FEATURES, MAX_CLASSES, MAX_SAMPLERS, TableSampler, TableTexture, TextureTable, TextureTier, classes,
 };
+pub use host::traced::Traced;
 pub use node::DeferredAa;
 pub use passes::shader_texts;
 pub use settings::*;

@@ -3,7 +3,7 @@
 use crate::TILE;
 use crate::goal::Controller;
 use crate::gpu::bands::Layout;
-use crate::gpu::binding::{Slot, frame_layout};
+use crate::gpu::binding::frame_layout;
 use crate::gpu::buffers::NodeBuffers;
 use crate::gpu::loans::{Lent, Loans};
 use crate::gpu::modules::binds_host;
@@ -12,8 +12,8 @@ use crate::gpu::readback::collector::{Collector, Recorded};
 use crate::gpu::readback::input_check::InputCheck;
 use crate::gpu::recording::{ReadyPass, ReadyStage, Recording, Run};
 use crate::gpu::resources::{FIXED, SizedResources, Within, binding_limit, check_size};
-use crate::gpu::sizes::{self, Shape, workgroups};
-use crate::gpu::step::{Pass, Step};
+use crate::gpu::sizes::{self, Kind, Results, Shape, workgroups};
+use crate::gpu::step::{Pass, Step, used_parts};
 use crate::gpu::uniforms::audited::Audited;
 use crate::gpu::uniforms::casting::{CastSamples, CastingUniform};
 use crate::gpu::uniforms::frame::FrameUniform;
@@ -32,10 +32,11 @@ use crate::host::requirements::{self, Memory, Requirements};
 use crate::host::shader::Shader;
 use crate::host::statistics::Statistics;
 use crate::host::table::{TableTexture, Tables, TextureTable, TextureTier};
+use crate::host::traced::Traced;
 use crate::passes::depth;
 use crate::passes::first::FIRST;
 use crate::rays::RayScene;
-use crate::settings::{DebugView, Settings};
+use crate::settings::{Settings, Technique};
 use crate::techniques::{self, Effort};
 use crate::wgsl::{self, HostSource};
 use crate::window::MAX_M;
@@ -245,7 +246,7 @@ impl DeferredAa {
         }
         let bytes = |layout: Layout| {
             let shape = self.shape(layout, settings, inputs);
-            held(&shape, &within.parts) + NodeBuffers::most_bytes() + Collector::most_bytes(steps.len())
+            shape.bytes_held(&within.parts) + NodeBuffers::most_bytes() + Collector::most_bytes(steps.len())
         };
         let limits = device.limits();
         let fits = |size: [u32; 2]| {
@@ -297,20 +298,8 @@ impl DeferredAa {
     }
 
     fn shape(&self, layout: Layout, settings: &Settings, inputs: RayInputs) -> Shape {
-        let technique = techniques::of(settings.technique);
-        let Layout { image, size } = layout;
-        Shape {
-            size,
-            image,
-            m: self.build().m,
-            target_format: self.build().target_format,
-            gbuffer: self.build().gbuffer,
-            inputs,
-            ranks: technique.casting_ranks(settings, self.build().m),
-            hits: technique.reads_hits(),
-            rays: settings.view == DebugView::Rays,
-            lattices: technique.lattices(settings, size, image, inputs),
-        }
+        let &Build { m, target_format, gbuffer, .. } = self.build();
+        Shape::new(Kind { m, target_format, gbuffer }, layout, settings, inputs)
     }
 
     /// Lists the textures and buffers that a frame with these settings and needs reads and writes at the present size,
@@ -350,7 +339,8 @@ impl DeferredAa {
         let resources = self.resources.as_ref().ok_or(LendError::NoSize)?;
         let inputs = RayInputs { shadows: true, reflections: true };
         // The least that any frame needs of a part; a frame that needs more of it refuses the loan.
-        let shape = Shape { ranks: 1, ..self.shape(resources.layout(), &Settings::default(), inputs) };
+        let single = Settings { technique: Technique::Single, ..Settings::default() };
+        let shape = self.shape(resources.layout(), &single, inputs);
         let loans = Loans::new(lent, &shape, binding_limit(device))?;
         let memory = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let binding = device.push_error_scope(wgpu::ErrorFilter::Validation);
@@ -381,6 +371,7 @@ impl DeferredAa {
             slots: Slots::new(resources.size[0], resources.size[1]),
             pixel_list: resources.buffer(Part::PixelListEntries),
             sample_list: resources.buffer(Part::SampleListEntries),
+            traced: self.traced(resources),
             shadows: resources.buffer(Part::Shadows),
             tile_lists: resources.buffer(Part::Tiles),
             reflections: resources.buffer(Part::Reflections),
@@ -388,22 +379,21 @@ impl DeferredAa {
         })
     }
 
+    /// Where the results of the last frame's rays lie.
+    fn traced(&self, resources: &SizedResources) -> Traced {
+        let settings = self.begun.as_ref().map_or_else(Settings::default, |begun| begun.settings);
+        let shape = self.shape(resources.layout(), &settings, RayInputs::default());
+        let Results { ranks, planned, words, .. } = shape.results;
+        let slots = Slots::new(resources.size[0], resources.size[1]);
+        Traced { slots, settings, m: shape.m, ranks, planned: planned as usize, words: words as usize }
+    }
+
     /// The GPU memory in bytes that the node holds at the present size, without lent memory.
     pub fn memory(&self) -> Memory {
         let rays = self.buffers.rays_held();
         let Some(resources) = &self.resources else { return Memory { gbuffer: 0, scratch: 0, rays } };
-        let held = |of: fn(Resource) -> bool| {
-            let parts = Part::ALL.into_iter().filter(move |part| of(part.resource()));
-            parts.map(|part| resources.held(part)).sum::<u64>()
-        };
-        let of_rays = |resource| matches!(resource, Resource::Tiles | Resource::Traced);
-        let of_gbuffer = |resource| resource == Resource::GBuffer;
-        Memory {
-            gbuffer: held(of_gbuffer),
-            scratch: held(|resource| !matches!(resource, Resource::Tiles | Resource::Traced | Resource::GBuffer))
-                + self.buffers.marks_held(),
-            rays: rays + held(of_rays),
-        }
+        let memory = Memory::of(Part::ALL.into_iter().map(|part| (part, resources.held(part))));
+        Memory { scratch: memory.scratch + self.buffers.marks_held(), rays: memory.rays + rays, ..memory }
     }
 
     /// The layout of [`TextureTable::bind_group`], for the host's own pipelines, at `@group(1)`.
@@ -523,10 +513,11 @@ impl DeferredAa {
         let mut uniform = FrameUniform::new(frame, &band, at, audited)?;
         uniform.set_order(m, &technique.order(settings, m));
         technique.uniform(settings, m, effort, &mut uniform);
+        let shape = self.shape(layout, settings, inputs);
+        uniform.results = shape.results.into();
         self.check_scene(frame, uniform.camera_position.into())?;
         let casting = self.casting(frame, inputs, uniform.camera_position.into())?;
         let steps = steps(settings, &frame.needs);
-        let shape = self.shape(layout, settings, inputs);
         self.prepare(frame, steps, &shape)?;
         let Self { buffers, resources, prepared, collector, pipelines, .. } = self;
         let resources = resources.as_ref().ok_or(RecordError::NoSize)?;
@@ -824,28 +815,10 @@ fn band(frame: &Frame<'_>, layout: Layout, apron: u32) -> Result<Band, RecordErr
     }
 }
 
-/// The bytes of what frames of a shape hold, whose passes use these parts.
-fn held(shape: &Shape, parts: &[Part]) -> u64 {
-    let others = Part::ALL.into_iter().filter(|part| FIXED.contains(part) || parts.contains(part));
-    sizes::gbuffer_bytes(shape.size, shape.m, shape.gbuffer) + others.map(|part| shape.bytes(part)).sum::<u64>()
-}
-
 fn passes(settings: &Settings, inputs: RayInputs, steps: Vec<Step>) -> impl Iterator<Item = Pass> + use<> {
     let settings = *settings;
     let info = move |step: &Step| step.info(&settings, inputs);
     steps.into_iter().enumerate().map(move |(index, step)| Pass { info: info(&step), step, index })
-}
-
-/// The parts that the passes of a frame use.
-fn used_parts(steps: &[Step]) -> Vec<Part> {
-    let mut parts = Vec::new();
-    let bound = steps.iter().flat_map(|step| step.pass.bindings).filter(|binding| binding.used.is_some());
-    for part in bound.filter_map(|binding| if let Slot::Part(part) = binding.slot { Some(part) } else { None }) {
-        if !parts.contains(&part) {
-            parts.push(part);
-        }
-    }
-    parts
 }
 
 /// Writes the constants of the passes over lattices.

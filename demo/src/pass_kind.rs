@@ -8,7 +8,7 @@ pub const PARTS: [&str; 4] = ["rays", "decisions", "shading", "rest"];
 /// The part of [`PARTS`] that a pass belongs to, in the papers' tables.
 pub fn part(kind: PassKind) -> &'static str {
     match kind {
-        PassKind::Trace | PassKind::Reflect | PassKind::Classify => "rays",
+        PassKind::Trace | PassKind::Reflect | PassKind::Classify | PassKind::Places => "rays",
         PassKind::Refine => "decisions",
         PassKind::Points | PassKind::First | PassKind::Shade => "shading",
         _ => "rest",

@@ -71,7 +71,7 @@ fn daa_lattice_to_pixels_main(@builtin(workgroup_id) tile: vec3u, @builtin(local
                 by = DAA_BY_IDENTITY;
             }
         }
-        count = daa_plan_word(k, daa_lattice_reason(by, daa_point_level(word), own), 0u);
+        count = daa_count_word(k, daa_lattice_reason(by, daa_point_level(word), own), 0u);
     }
     let slot = daa_tile_index(tile.xy) * 64u + lane;
     if supersampled {

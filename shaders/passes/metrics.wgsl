@@ -225,5 +225,5 @@ fn daa_metrics_main(
         k = max(k, daa_frame.least_samples);
     }
     let count = u32(round(min(k, n)));
-    daa_counts[slot] = daa_plan_word(count, select(by, DAA_BY_NOTHING, count == 1u), daa_wanted_code(k));
+    daa_counts[slot] = daa_count_word(count, select(by, DAA_BY_NOTHING, count == 1u), daa_wanted_code(k));
 }

@@ -7,39 +7,24 @@
 
 var<workgroup> daa_group_decided: array<atomic<u32>, 7>;
 
-/// One lane plans a whole tile, which needs no barrier. Most tiles have few samples to add.
 @compute @workgroup_size(64)
-fn daa_plan_main(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) lane: u32) {
-    if id.x < daa_tile_count() {
-        let first_slot = id.x * 64u;
-        var total = 0u;
-        for (var i = 0u; i < 64u; i++) {
-            total += max(daa_plan_k(daa_counts[first_slot + i]), 1u) - 1u;
-        }
-        let overflows = total > daa_frame.tile_limit;
-        if overflows {
-            atomicAdd(&daa_statistics.overflowed_tiles, 1u);
-        }
-        // This is at most 64 · 63, and fits in 16 bits.
-        var before = 0u;
-        // Most windows have k = 1. They are counted here first, so that lanes do not contend for one counter.
-        var ones = 0u;
-        for (var i = 0u; i < 64u; i++) {
-            let count = daa_counts[first_slot + i];
-            // k is 0 where the tile extends beyond the image.
-            let k = select(daa_plan_k(count), min(daa_plan_k(count), 1u), overflows);
-            let reason = select(daa_plan_reason(count), DAA_BY_NOTHING, overflows);
-            daa_plan[first_slot + i] = daa_plan_word(k, reason, before);
-            if k == 1u {
-                ones += 1u;
-            } else if k > 1u {
-                before += k - 1u;
-                atomicAdd(&daa_group_histogram[k - 1u], 1u);
-                atomicAdd(&daa_group_decided[reason & 15u], 1u);
-            }
-        }
-        atomicAdd(&daa_group_histogram[0], ones);
-        atomicAdd(&daa_group_decided[0], ones);
+fn daa_plan_main(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocation_index) lane: u32) {
+    let index = daa_tile_index(tile.xy);
+    let slot = index * 64u + lane;
+    let count = daa_counts[slot];
+    let wanted = daa_plan_k(count);
+    let sum = daa_tile_sum(lane, max(wanted, 1u) - 1u);
+    let overflows = sum.y > daa_frame.tile_limit;
+    // k is 0 where the tile extends beyond the image.
+    let k = select(wanted, min(wanted, 1u), overflows);
+    let reason = select(daa_plan_reason(count), DAA_BY_NOTHING, overflows);
+    daa_plan[slot] = daa_plan_word(k, reason, 0u, select(sum.x, 0u, overflows));
+    if k > 0u {
+        atomicAdd(&daa_group_histogram[k - 1u], 1u);
+        atomicAdd(&daa_group_decided[select(0u, reason & 15u, k > 1u)], 1u);
+    }
+    if overflows && lane == 0u {
+        atomicAdd(&daa_statistics.overflowed_tiles, 1u);
     }
     workgroupBarrier();
     daa_add_histogram(lane);

@@ -65,15 +65,9 @@ fn daa_quadrants_active(@builtin(workgroup_id) group: vec3u, @builtin(local_invo
     }
     let pixel = daa_slot_pixel(slot);
     let chosen = daa_chosen(slot);
-    var queue = vec2u(0u);
-    for (var rank = 1u; rank < DAA_M * DAA_M; rank++) {
-        if (daa_quadrants(rank) & chosen) != 0u {
-            queue = daa_with(queue, rank);
-        }
-    }
     let own = daa_first_at(vec2i(pixel));
     var mean = daa_joined(DaaMean(), own, 0u, chosen);
-    for (; any(queue != vec2u(0u)); queue = daa_without_least(queue)) {
+    for (var queue = daa_ranks_of(chosen); any(queue != vec2u(0u)); queue = daa_without_least(queue)) {
         let rank = daa_least(queue);
         mean = daa_joined(mean, daa_shade_sample(pixel, rank, daa_frame.selective.samples), rank, chosen);
     }

@@ -186,5 +186,5 @@ fn daa_reconstruct_main(@builtin(workgroup_id) tile: vec3u, @builtin(local_invoc
     let all_own = daa_weighted(DaaMean(), daa_mean_finish(own_mean) + reflections_on_own / max(of_own, 1.0));
     let mean = DaaMean(others.sum + all_own.sum * of_own, others.weight + all_own.weight * of_own);
     textureStore(daa_color, pixel, daa_mean_finish(mean));
-    daa_plan[daa_tile_index(tile.xy) * 64u + lane] = daa_plan_word(count + 1u, DAA_BY_NOTHING, 0u);
+    daa_plan[daa_tile_index(tile.xy) * 64u + lane] = daa_plan_word(count + 1u, DAA_BY_NOTHING, 0u, 0u);
 }

@@ -268,17 +268,12 @@ fn daa_select_main(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocation
         found = daa_choose(found, 2u, lower_left);
         found = daa_choose(found, 3u, lower_right);
         let chosen = found.quadrants;
-        var k = 1u;
-        if chosen != 0u {
-            for (var rank = 1u; rank < DAA_M * DAA_M; rank++) {
-                k += u32((daa_quadrants(rank) & chosen) != 0u);
-            }
-        }
+        let k = 1u + daa_rank_count(daa_ranks_of(chosen));
         atomicAdd(&daa_group_histogram[k - 1u], 1u);
-        word = daa_plan_word(k, found.by, chosen);
+        word = daa_plan_word(k, found.by, chosen, 0u);
     }
-    daa_plan[daa_tile_index(tile.xy) * 64u + lane] = word;
-    workgroupBarrier();
+    let before = daa_tile_sum(lane, max(daa_plan_k(word), 1u) - 1u).x;
+    daa_plan[daa_tile_index(tile.xy) * 64u + lane] = daa_plan_word_before(word, before);
     daa_add_histogram(lane);
     if lane < 9u {
         let quadrants = atomicLoad(&daa_group_quadrants[lane]);

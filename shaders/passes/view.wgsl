@@ -71,12 +71,20 @@ fn daa_reached(bits: u32) -> vec3f {
 fn daa_rays_sent(pixel: vec2u) -> u32 {
     let n = DAA_M * DAA_M;
     var rays = 0u;
-    for (var rank = 0u; rank < n && daa_frame.casting > 0u; rank++) {
-        rays += daa_shadows[daa_sample_index(pixel, n + rank)];
-    }
-    for (var rank = 0u; rank < n && daa_flag(DAA_FLAG_REFLECTS); rank++) {
-        let sent = daa_reflections[daa_sample_index(pixel, n + 6u + rank)];
-        rays += (sent & 0xffffu) + (sent >> 16u);
+    let word = daa_plan[daa_slot(pixel)];
+    for (var rank = 0u; rank < n; rank++) {
+        let kept = rank < daa_frame.results.ranks || (daa_is_planned(word, rank) && daa_has_results(pixel, rank));
+        if !kept {
+            continue;
+        }
+        let at = daa_frame.results.words + daa_result_index(pixel, rank);
+        if daa_frame.casting > 0u {
+            rays += daa_shadows[at];
+        }
+        if daa_flag(DAA_FLAG_REFLECTS) {
+            let sent = daa_reflections[at + 6u * daa_tile_count() * 64u];
+            rays += (sent & 0xffffu) + (sent >> 16u);
+        }
     }
     return rays;
 }

@@ -64,7 +64,7 @@ struct DaaRanks {
 /// The value of `quadrants` without a restriction.
 const DAA_ALL_QUADRANTS: u32 = 0xffu;
 
-/// A sample, and whether it casts rays.
+/// A sample, and whether it casts rays: those without room for results of their own do not.
 struct DaaCaster {
     pixel: vec2u,
     rank: u32,
@@ -83,8 +83,8 @@ fn daa_caster(ranks: DaaRanks, i: u32) -> DaaCaster {
         let found = daa_point_index(l, at) + daa_casting.step.found;
         return DaaCaster(point.pixel, point.rank, true, point.inside, found);
     }
-    let wanted = ranks.quadrants == DAA_ALL_QUADRANTS || (daa_quadrants(i) & ranks.quadrants) != 0u;
-    return DaaCaster(ranks.pixel, i, wanted, true, 0u);
+    let chosen = ranks.quadrants == DAA_ALL_QUADRANTS || (daa_quadrants(i) & ranks.quadrants) != 0u;
+    return DaaCaster(ranks.pixel, i, chosen && daa_has_results(ranks.pixel, i), true, 0u);
 }
 
 /// The samples of a lane. There are none outside the image, or beyond the end of the list of tiles of this kind.

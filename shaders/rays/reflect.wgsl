@@ -2,9 +2,9 @@
 // the host's own code (the secondary rays of subpixel reconstruction for ray tracing, WSCG 2012, section 3). CPU twin:
 // src/reference/rays/reflect.rs.
 
-/// The reflected and refracted radiance of all samples, rank by rank, as codes of shared_exponent.wgsl. The hits of
-/// first samples follow for `Selective`. If the rays of each sample are recorded, their counts follow both: mirrored
-/// rays + refracted rays · 2¹⁶.
+/// The reflected and refracted radiance of samples, at `daa_result_index`, as codes of shared_exponent.wgsl. The hits of
+/// first samples follow for `Selective`. If the rays of each sample are recorded, their counts follow the room for
+/// hits: mirrored rays + refracted rays · 2¹⁶.
 @group(3) @binding(5) var<storage, read_write> daa_reflections: array<u32>;
 /// A bit for each material: whether it sends rays.
 @group(3) @binding(9) var<storage, read> daa_reflective: array<u32>;
@@ -171,7 +171,7 @@ fn daa_reflect_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocati
         if !caster.wanted || !daa_sends_rays(pixel, rank) {
             continue;
         }
-        let at = daa_sample_index(pixel, rank);
+        let place = daa_result_index(pixel, rank);
         let s = daa_fetch(pixel, rank, 1.0, vec2f(0.0));
         if s.depth == 0.0 {
             continue;
@@ -207,20 +207,21 @@ fn daa_reflect_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocati
             sum += weight * daa_arriving(pixel, rank, origin, normalize(direction), kind == 1u, b.ior, s.object, cone);
             rays += select(vec2u(1u, 0u), vec2u(0u, 1u), kind == 1u);
             if daa_casting.keeps != 0u && caster.inside {
-                daa_reflections[daa_sample_index(pixel, DAA_M * DAA_M + 6u + rank)] += 1u << (kind * 16u);
+                daa_reflections[daa_frame.results.words + 6u * daa_tile_count() * 64u + place] += 1u << (kind * 16u);
             }
             traced = true;
             if keeps_hits {
-                let word = DAA_M * DAA_M + kind * 3u;
-                daa_reflections[daa_sample_index(pixel, word)] = daa_last_hit.x;
-                daa_reflections[daa_sample_index(pixel, word + 1u)] = daa_last_hit.y;
-                daa_reflections[daa_sample_index(pixel, word + 2u)] = daa_last_hit.z;
+                let at = daa_frame.results.words + daa_sample_index(pixel, kind * 3u);
+                let slots = daa_tile_count() * 64u;
+                daa_reflections[at] = daa_last_hit.x;
+                daa_reflections[at + slots] = daa_last_hit.y;
+                daa_reflections[at + 2u * slots] = daa_last_hit.z;
             }
         }
         if traced {
             let code = daa_radiance_encode(daa_clean(vec4f(sum, 1.0)).color.rgb);
             if caster.inside {
-                daa_reflections[at] = code;
+                daa_reflections[place] = code;
             }
             if daa_casting.samples == DAA_SAMPLES_POINTS {
                 daa_points[caster.found].y = code;

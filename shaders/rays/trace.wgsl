@@ -1,7 +1,7 @@
 // trace: traces shadow rays from the samples that will be shaded. CPU twin: src/reference/rays/trace.rs.
 
-/// The shadow bits of all samples, rank by rank. If the rays of each sample are recorded, their numbers follow in the
-/// same layout.
+/// The shadow bits of samples, at `daa_result_index`. If the rays of each sample are recorded, their numbers follow in
+/// the same layout.
 @group(3) @binding(5) var<storage, read_write> daa_shadows: array<u32>;
 
 var<workgroup> daa_group_rays: array<u32, 64>;
@@ -59,10 +59,11 @@ fn daa_trace_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation
             bits.x = daa_shadows[daa_sample_index(caster.pixel, 0u)];
         }
         if caster.inside {
-            daa_shadows[daa_sample_index(caster.pixel, caster.rank)] = bits.x;
+            let place = daa_result_index(caster.pixel, caster.rank);
+            daa_shadows[place] = bits.x;
             if daa_casting.keeps != 0u {
                 // A sample may cast rays twice, as the point of a lattice and by the plan, so its rays are added up.
-                daa_shadows[daa_sample_index(caster.pixel, DAA_M * DAA_M + caster.rank)] += bits.y;
+                daa_shadows[daa_frame.results.words + place] += bits.y;
             }
         }
         if daa_casting.samples == DAA_SAMPLES_POINTS {

@@ -60,6 +60,8 @@ struct DaaSelective {
     normal_cosine: f32,
     /// Number of samples in the four quadrants of a window together.
     samples: u32,
+    /// The ranks beyond the first that each quadrant uses: a bit each, 64 bits a quadrant.
+    ranks: array<vec4u, 2>,
 }
 
 /// The thresholds of `MultiResolution`.
@@ -69,6 +71,19 @@ struct DaaMultiResolution {
     /// Residual of position, over the distance to the camera, above which a point's neighbourhood is refined.
     position: f32,
     padding: vec2u,
+}
+
+/// Where the results of a sample's rays lie. The results of the first ranks go rank by rank, with a word for each slot.
+/// Those of other planned samples follow, packed, then those of all samples of audited tiles.
+struct DaaResults {
+    /// Number of ranks that have a word for each slot.
+    ranks: u32,
+    /// Number of words for other planned samples.
+    planned: u32,
+    /// Number of audited tiles in a row of tiles, 0 if no tile is audited.
+    audited: u32,
+    /// Number of all words.
+    words: u32,
 }
 
 struct DaaFrame {
@@ -109,6 +124,7 @@ struct DaaFrame {
     target_origin: vec2u,
     /// The pixels that are written to the target: their first one, and the one after the last.
     shown: vec4u,
+    results: DaaResults,
     windowed: DaaWindowed,
     audit: DaaAudit,
     reconstruct: DaaReconstruct,

@@ -6,8 +6,9 @@
 //   active quadrant, counted from 1.
 // - Bits 12 to 14: the lattice that the pixel's point was chosen on.
 // - Bit 15: whether the pixel's point was shaded.
-// - Bits 16 to 31: in a plan, the number of the tile's samples before this window's; with `Selective`, the active
-//   quadrants, a bit each; in counts, the k that was wanted (`daa_wanted_code`).
+// - Bits 16 to 19: in a plan of `Selective`, the active quadrants, a bit each.
+// - Bits 20 to 31: in a plan, the number of the tile's samples before this window's, without first ones: at most 64 · 63.
+// - Bits 16 to 31: in counts, the k that was wanted (`daa_wanted_code`).
 
 const DAA_BY_NOTHING: u32 = 0u;
 const DAA_BY_DEPTH: u32 = 1u;
@@ -17,8 +18,17 @@ const DAA_BY_IDENTITY: u32 = 4u;
 const DAA_BY_LEAST: u32 = 5u;
 const DAA_BY_SHADOW: u32 = 6u;
 
-fn daa_plan_word(k: u32, reason: u32, rest: u32) -> u32 {
-    return k | (reason << 8u) | (rest << 16u);
+fn daa_plan_word(k: u32, reason: u32, quadrants: u32, before: u32) -> u32 {
+    return k | (reason << 8u) | (quadrants << 16u) | (before << 20u);
+}
+
+/// The word with the number of the tile's samples before this window's.
+fn daa_plan_word_before(word: u32, before: u32) -> u32 {
+    return word | (before << 20u);
+}
+
+fn daa_count_word(k: u32, reason: u32, wanted: u32) -> u32 {
+    return k | (reason << 8u) | (wanted << 16u);
 }
 
 /// The reason for k together with the lattice of the pixel's point.
@@ -52,7 +62,7 @@ fn daa_plan_own(word: u32) -> bool {
 
 /// The number of the tile's samples, without first ones, before this window's.
 fn daa_plan_before(word: u32) -> u32 {
-    return word >> 16u;
+    return word >> 20u;
 }
 
 /// The active quadrants, a bit each.

@@ -9,6 +9,16 @@ fn daa_has(ranks: vec2u, rank: u32) -> bool {
     return ((select(ranks.y, ranks.x, rank < 32u) >> (rank & 31u)) & 1u) != 0u;
 }
 
+fn daa_rank_count(ranks: vec2u) -> u32 {
+    return countOneBits(ranks.x) + countOneBits(ranks.y);
+}
+
+/// The number of ranks in the set below this one.
+fn daa_rank_count_below(ranks: vec2u, rank: u32) -> u32 {
+    let below = (1u << (rank & 31u)) - 1u;
+    return select(countOneBits(ranks.x) + countOneBits(ranks.y & below), countOneBits(ranks.x & below), rank < 32u);
+}
+
 fn daa_least(ranks: vec2u) -> u32 {
     return select(firstTrailingBit(ranks.x), firstTrailingBit(ranks.y) + 32u, ranks.x == 0u);
 }

@@ -61,6 +61,15 @@ fn daa_quadrants(rank: u32) -> u32 {
     return (daa_frame.order[rank >> 2u][rank & 3u] >> 8u) & 15u;
 }
 
+/// The ranks beyond the first that any of these quadrants uses, as in ranks.wgsl.
+fn daa_ranks_of(quadrants: u32) -> vec2u {
+    let a = daa_frame.selective.ranks[0];
+    let b = daa_frame.selective.ranks[1];
+    var ranks = select(vec2u(0u), a.xy, (quadrants & 1u) != 0u) | select(vec2u(0u), a.zw, (quadrants & 2u) != 0u);
+    ranks |= select(vec2u(0u), b.xy, (quadrants & 4u) != 0u) | select(vec2u(0u), b.zw, (quadrants & 8u) != 0u);
+    return ranks;
+}
+
 /// The rank of a position in the window.
 fn daa_rank_at(place: vec2u) -> u32 {
     let i = place.y * DAA_M + place.x;

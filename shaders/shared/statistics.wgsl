@@ -25,4 +25,6 @@ struct DaaStatistics {
     quadrants: array<atomic<u32>, 9>,
     /// Number of shaded points by lattice: `Level` of src/gpu/uniforms/lattice.rs.
     points: array<atomic<u32>, 5>,
+    /// Number of planned samples for whose ray results there was no room.
+    without_rays: atomic<u32>,
 }

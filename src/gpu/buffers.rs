@@ -15,7 +15,7 @@ use std::sync::OnceLock;
 /// The number of materials, and of objects, that a G-buffer can tell apart.
 const NAMES: usize = 1 << 16;
 /// The bytes of `daa_marks` of select.wgsl: a bit for each material and a byte for each object.
-const MARKS_BYTES: u64 = NAMES as u64 / 8 + NAMES as u64;
+pub(crate) const MARKS_BYTES: u64 = NAMES as u64 / 8 + NAMES as u64;
 /// The bytes of `daa_reflective` of reflect.wgsl: a bit for each material.
 const REFLECTIVE_BYTES: u64 = NAMES as u64 / 8;
 
@@ -140,6 +140,11 @@ impl NodeBuffers {
     /// The bytes of the marks.
     pub fn marks_held(&self) -> u64 {
         self.marks.get().map_or(0, wgpu::Buffer::size)
+    }
+
+    /// The bytes of buffers for rays that a node without bands has once it has traced.
+    pub fn rays_bytes() -> u64 {
+        Ring::<CastingUniform>::bytes(CastSamples::COUNT, FRAMES) + REFLECTIVE_BYTES
     }
 
     /// The bytes of buffers for rays.

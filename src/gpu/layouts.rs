@@ -7,7 +7,8 @@ use crate::gpu::modules::{Base, Tiers, source};
 use crate::gpu::sizes::{BATCH, POINTS_BLOCK, TILE_CLASSES_BYTES, WORK_BYTES, WORK_GROUPS_AT};
 use crate::gpu::uniforms::casting::{CastSamples, CastingUniform, LightUniform};
 use crate::gpu::uniforms::frame::{
-    AuditUniform, FrameUniform, MultiResolutionUniform, ReconstructUniform, SelectiveUniform, WindowedUniform, flag,
+    AuditUniform, FrameUniform, MultiResolutionUniform, ReconstructUniform, ResultsUniform, SelectiveUniform,
+    WindowedUniform, flag,
 };
 use crate::gpu::uniforms::lattice::{LatticeUniform, Level, StepUniform};
 use crate::host::gbuffer::{Channels, GBufferTier, Ids};
@@ -268,6 +269,7 @@ fn every_module_is_sound_and_has_the_frame() {
         image,
         target_origin,
         shown,
+        results,
         windowed,
         audit,
         reconstruct,
@@ -290,6 +292,7 @@ fn every_module_is_sound_and_has_the_frame() {
                 padding,
             }),
         ),
+        ("DaaResults", rust_layout!(ResultsUniform { ranks, planned, audited, words })),
         ("DaaAudit", rust_layout!(AuditUniform { period, phase, step, least_samples })),
         (
             "DaaReconstruct",
@@ -305,7 +308,7 @@ fn every_module_is_sound_and_has_the_frame() {
         ),
         (
             "DaaSelective",
-            rust_layout!(SelectiveUniform { primary, reflected, color, contrast_min, normal_cosine, samples }),
+            rust_layout!(SelectiveUniform { primary, reflected, color, contrast_min, normal_cosine, samples, ranks }),
         ),
         ("DaaMultiResolution", rust_layout!(MultiResolutionUniform { color, position, padding })),
     ];
@@ -368,7 +371,8 @@ fn counters_are_the_shaders() {
         refraction_rays,
         tiles,
         quadrants,
-        points
+        points,
+        without_rays
     });
     for (name, module) in modules() {
         assert_eq!(wgsl_layout(&module, "DaaStatistics"), counters, "{name}");
@@ -484,6 +488,7 @@ fn workgroups_are_the_shaders() {
         ("daa_list_scan", [256, 1, 1]),
         ("daa_max_filter_main", tile),
         ("daa_metrics_main", tile),
+        ("daa_places_main", [256, 1, 1]),
         ("daa_plan_main", flat),
         ("daa_shade_full", tile),
         ("daa_shade_gather", tile),

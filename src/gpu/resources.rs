@@ -5,7 +5,7 @@ use crate::gpu::binding::{Access, Binding, PassData, Slot};
 use crate::gpu::buffers::NodeBuffers;
 use crate::gpu::loans::Loans;
 use crate::gpu::pipelines::{self, Build, Pipeline};
-use crate::gpu::sizes::{Shape, TILE_CLASSES_BYTES, plan_bytes, sample_bytes};
+use crate::gpu::sizes::{Shape, TILE_CLASSES_BYTES, plan_bytes};
 use crate::host::error::{RecordError, SizeError};
 use crate::host::gbuffer::{DEPTH_FORMAT, GBuffer, GBufferTier};
 use crate::host::graph::{Part, PartKind, Resource, Stage};
@@ -262,16 +262,15 @@ impl SizedResources {
         // that may have no point of their own.
         let all = shape.lattices.is_some_and(|lattices| lattices.has(Pattern::Equilateral));
         if let Some(shadows) = self.buffer(Part::Shadows).filter(|_| shape.inputs.shadows) {
-            encoder.clear_buffer(shadows, 0, Some(if all { shape.result_bytes() } else { plan_bytes(shape.size) }));
+            let bytes = shape.results.bytes();
+            encoder.clear_buffer(shadows, 0, Some(if all { bytes } else { plan_bytes(shape.size) }));
             if shape.rays {
-                let bytes = sample_bytes(shape.size, shape.m);
                 encoder.clear_buffer(shadows, bytes, Some(bytes));
             }
         }
         // The code 0 means that nothing was traced.
         if let Some(reflections) = self.buffer(Part::Reflections).filter(|_| shape.inputs.reflections) {
-            let bytes = if shape.rays { reflections.size() } else { shape.bytes(Part::Reflections) };
-            encoder.clear_buffer(reflections, 0, Some(bytes));
+            encoder.clear_buffer(reflections, 0, Some(shape.bytes(Part::Reflections)));
         }
     }
 

@@ -1,12 +1,16 @@
 //! The sizes of the parts of a frame's resources, and the grids of its passes.
 
 use crate::TILE;
+use crate::gpu::bands::Layout;
+use crate::gpu::resources::FIXED;
 use crate::gpu::uniforms::audited::Audited;
 use crate::gpu::uniforms::lattice::{self, LatticeSteps};
 use crate::host::gbuffer::{DEPTH_FORMAT, GBufferTier};
 use crate::host::graph::{Grid, LatticeShape, Part, PartKind, PassInfo, Rounds};
 use crate::host::needs::RayInputs;
 use crate::host::statistics::COUNTER_BYTES;
+use crate::settings::{DebugView, Goal, Settings};
+use crate::techniques::{self, CastingRanks};
 
 /// The format of S and of the shaded image: f32, so that linear means have the precision of f32 and 65520 stays finite.
 pub(crate) const IMAGE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
@@ -40,14 +44,49 @@ pub(crate) struct Shape {
     pub target_format: wgpu::TextureFormat,
     pub gbuffer: GBufferTier,
     pub inputs: RayInputs,
-    /// The number of ranks of a window whose ray results are kept, the first ones.
-    pub ranks: u32,
+    /// Where the results of rays lie.
+    pub results: Results,
     /// Whether the hits of the rays of first samples are kept.
     pub hits: bool,
     /// Whether the number of rays of each sample is kept.
     pub rays: bool,
     /// The lattices, if it has any.
     pub lattices: Option<LatticeSteps>,
+}
+
+/// Where the results of rays lie, in words: `DaaResults` of frame.wgsl.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Results {
+    /// The number of ranks that have a word for each slot.
+    pub ranks: u32,
+    /// The number of words for other planned samples.
+    pub planned: u64,
+    /// The number of audited tiles in a row of tiles, 0 if no tile is audited.
+    pub audited: u32,
+    /// The number of all words.
+    pub words: u64,
+}
+
+impl Results {
+    /// For these samples of an image, or of a band of `size`. `room` is the setting `ray_samples`; `audits` says whether the
+    /// frame audits tiles.
+    pub fn new(layout: Layout, m: u32, ranks: CastingRanks, room: f32, audits: bool) -> Self {
+        let Layout { image, size } = layout;
+        let n = m * m;
+        let slots = plan_bytes(size) / 4;
+        let (ranks, planned) = match ranks {
+            CastingRanks::First(ranks) => (ranks, 0),
+            CastingRanks::Planned => (1, (slots as f64 * f64::from(room.clamp(0.0, (n - 1) as f32))).ceil() as u64),
+        };
+        let audited = if audits { Audited::of(0, image).groups(image)[0] } else { 0 };
+        let of_audit = u64::from(audited * tiles(size)[1] * TILE * TILE) * u64::from(n);
+        Self { ranks, planned, audited, words: slots * u64::from(ranks) + planned + of_audit }
+    }
+
+    /// The bytes of a word for each.
+    pub fn bytes(self) -> u64 {
+        self.words * 4
+    }
 }
 
 /// The number of tiles along x and y.
@@ -61,6 +100,12 @@ pub(crate) fn plan_bytes(size: [u32; 2]) -> u64 {
     x * y * u64::from(TILE * TILE) * 4
 }
 
+/// The bytes of the plan: its words, and the number of planned samples before each tile.
+fn plan_part_bytes(size: [u32; 2]) -> u64 {
+    let [x, y] = tiles(size).map(u64::from);
+    plan_bytes(size) + x * y * 4
+}
+
 /// The bytes of the G-buffer.
 pub(crate) fn gbuffer_bytes(size: [u32; 2], m: u32, tier: GBufferTier) -> u64 {
     let [w, h] = size.map(u64::from);
@@ -70,12 +115,7 @@ pub(crate) fn gbuffer_bytes(size: [u32; 2], m: u32, tier: GBufferTier) -> u64 {
 /// The bytes of everything else that [`resize`](crate::DeferredAa::resize) creates.
 pub(crate) fn scratch_bytes(size: [u32; 2]) -> u64 {
     let image = u64::from(size[0]) * u64::from(size[1]) * 16;
-    2 * image + 2 * plan_bytes(size) + COUNTER_BYTES
-}
-
-/// The bytes of a buffer with a word for each sample.
-pub(crate) fn sample_bytes(size: [u32; 2], m: u32) -> u64 {
-    plan_bytes(size) * u64::from(m * m)
+    2 * image + plan_bytes(size) + plan_part_bytes(size) + COUNTER_BYTES
 }
 
 /// The number of rows of a list of pixels: one for each k from 2, or at n = 1 one that stays empty.
@@ -94,7 +134,49 @@ pub(crate) fn batches(size: [u32; 2], m: u32) -> u32 {
     sample_entries(size, m).div_ceil(BATCH) as u32
 }
 
+/// What the descriptor says of a node's resources.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Kind {
+    pub m: u32,
+    pub target_format: wgpu::TextureFormat,
+    pub gbuffer: GBufferTier,
+}
+
 impl Shape {
+    /// Of frames with these settings, which trace for these inputs.
+    pub fn new(kind: Kind, layout: Layout, settings: &Settings, inputs: RayInputs) -> Self {
+        let Kind { m, target_format, gbuffer } = kind;
+        let Layout { image, size } = layout;
+        let technique = techniques::of(settings.technique);
+        let audits = technique.has_effort() && matches!(settings.goal, Some(Goal::Error(_)));
+        let casting = technique.casting(settings, m);
+        // A goal may raise every k to n.
+        let room = if technique.has_effort() && settings.goal.is_some() { f32::MAX } else { settings.ray_samples };
+        Self {
+            size,
+            image,
+            m,
+            target_format,
+            gbuffer,
+            inputs,
+            results: Results::new(layout, m, casting, room, audits),
+            hits: technique.reads_hits(),
+            rays: settings.view == DebugView::Rays,
+            lattices: technique.lattices(settings, size, image, inputs),
+        }
+    }
+
+    /// The bytes of the parts that frames of this shape hold if their passes use `used`.
+    pub fn bytes_held(&self, used: &[Part]) -> u64 {
+        self.held(used).map(|(_, bytes)| bytes).sum()
+    }
+
+    /// These parts, with the bytes of each.
+    pub fn held(&self, used: &[Part]) -> impl Iterator<Item = (Part, u64)> {
+        let is_held = |part: &Part| Part::GBUFFER.contains(part) || FIXED.contains(part) || used.contains(part);
+        Part::ALL.into_iter().filter(is_held).map(|part| (part, self.bytes(part)))
+    }
+
     /// The memory that a part needs; `None` if frames of this shape have no such part.
     pub fn kind(&self, part: Part) -> Option<PartKind> {
         let &Self { size, m, inputs, .. } = self;
@@ -113,7 +195,8 @@ impl Shape {
             Part::GBufferFrame => self.gbuffer.frame_format().and_then(gbuffer),
             Part::GBufferUv => self.gbuffer.uv_format().and_then(gbuffer),
             Part::First | Part::Color => texture(IMAGE_FORMAT, size, wgpu::TextureUsages::STORAGE_BINDING | SAMPLED),
-            Part::WindowCounts | Part::Plan => buffer(plan_bytes(size), none),
+            Part::WindowCounts => buffer(plan_bytes(size), none),
+            Part::Plan => buffer(plan_part_bytes(size), none),
             Part::PixelListRows => buffer(tiles * rows * 4, none),
             // Each row is padded to whole workgroups.
             Part::PixelListEntries => buffer((w * h + 63 * rows) * 4, none),
@@ -151,35 +234,29 @@ impl Shape {
         }
     }
 
-    /// The greatest size at which an existing part is kept. Room for hits and for all ranks stays, since frames of
+    /// The greatest size at which an existing part is kept. Room for hits and for all samples stays, since frames of
     /// several techniques may alternate; room for counts of rays is freed.
     pub fn most(&self, part: Part) -> u64 {
-        let most = Self { hits: true, ranks: self.m * self.m, ..*self };
+        let &Self { size, image, m, .. } = self;
+        let audits = self.results.audited > 0;
+        let results = Results::new(Layout { image, size }, m, CastingRanks::First(m * m), 0.0, audits);
+        let most = Self { hits: true, results, ..*self };
         match part {
             Part::Shadows | Part::Reflections if !self.rays => most.bytes(part),
             _ => u64::MAX,
         }
     }
 
-    /// The bytes of a word for each sample whose ray results are kept.
-    pub fn result_bytes(&self) -> u64 {
-        plan_bytes(self.size) * u64::from(self.ranks)
-    }
-
-    /// The bytes of the shadow bits, and of the counts of rays, which lie after those of all ranks.
+    /// The bytes of the shadow bits, and of the counts of rays, which lie behind them.
     fn shadow_bytes(&self) -> u64 {
-        if self.rays { 2 * sample_bytes(self.size, self.m) } else { self.result_bytes() }
+        self.results.bytes() * if self.rays { 2 } else { 1 }
     }
 
     /// The bytes of the reflected and refracted radiance, of the hits of first samples, and of the counts of rays.
     /// Counts lie after the room for hits, whether or not hits are kept.
     fn reflection_bytes(&self) -> u64 {
-        let hits = plan_bytes(self.size) * HIT_WORDS;
-        match (self.rays, self.hits) {
-            (true, _) => 2 * sample_bytes(self.size, self.m) + hits,
-            (false, true) => sample_bytes(self.size, self.m) + hits,
-            (false, false) => self.result_bytes(),
-        }
+        let hits = if self.hits || self.rays { plan_bytes(self.size) * HIT_WORDS } else { 0 };
+        self.shadow_bytes() + hits
     }
 }
 

@@ -1,9 +1,9 @@
 //! A pass at its position in a frame.
 
-use crate::gpu::binding::PassData;
+use crate::gpu::binding::{PassData, Slot};
 use crate::gpu::uniforms::casting::CastSamples;
 use crate::gpu::uniforms::lattice::LatticeStep;
-use crate::host::graph::PassInfo;
+use crate::host::graph::{Part, PassInfo};
 use crate::host::needs::RayInputs;
 use crate::settings::Settings;
 
@@ -78,4 +78,16 @@ impl Steps {
         self.0.extend(steps);
         self
     }
+}
+
+/// The parts that the passes of a frame use.
+pub(crate) fn used_parts(steps: &[Step]) -> Vec<Part> {
+    let mut parts = Vec::new();
+    let bound = steps.iter().flat_map(|step| step.pass.bindings).filter(|binding| binding.used.is_some());
+    for part in bound.filter_map(|binding| if let Slot::Part(part) = binding.slot { Some(part) } else { None }) {
+        if !parts.contains(&part) {
+            parts.push(part);
+        }
+    }
+    parts
 }

@@ -283,6 +283,8 @@ impl Part {
 pub enum PassKind {
     /// Lists the tiles in which rays are needed.
     Classify,
+    /// Finds the places of the results of planned samples.
+    Places,
     /// Traces shadow rays.
     Trace,
     /// Traces mirrored and refracted rays.

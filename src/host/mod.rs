@@ -14,3 +14,4 @@ pub(crate) mod requirements;
 pub(crate) mod shader;
 pub(crate) mod statistics;
 pub(crate) mod table;
+pub(crate) mod traced;

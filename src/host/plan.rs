@@ -138,10 +138,9 @@ impl PlanWord {
         self.0 & 0x8000 != 0
     }
 
-    /// The number of the tile's samples beyond the first ones that come before this window's. Not for
-    /// [`Technique::Selective`](crate::Technique::Selective).
+    /// The number of the tile's samples beyond the first ones that come before this window's.
     pub fn before(self) -> u32 {
-        self.0 >> 16
+        self.0 >> 20
     }
 
     /// For [`Technique::Selective`](crate::Technique::Selective): the active quadrants, a bit each in the order of

@@ -1,10 +1,17 @@
 //! The requirements of a node, known before anything is created.
 
-use crate::gpu::sizes::{gbuffer_bytes, sample_bytes, scratch_bytes};
+use crate::gpu::bands::Layout;
+use crate::gpu::buffers::{MARKS_BYTES, NodeBuffers};
+use crate::gpu::sizes::{Kind, Shape};
+use crate::gpu::step::used_parts;
 use crate::host::descriptor::Descriptor;
 use crate::host::gbuffer::GBufferTier;
+use crate::host::graph::{Part, Resource};
+use crate::host::needs::{Needs, RayInputs};
 use crate::host::table::{BINDING_FEATURES, MAX_SAMPLERS, TextureTier};
 use crate::rays::{QUERY_FEATURES, RayTier, query_limits};
+use crate::settings::Settings;
+use crate::techniques;
 
 /// What [`DeferredAa::new`](crate::DeferredAa::new) requires of a device, and what this adapter lacks.
 #[derive(Debug, Clone)]
@@ -19,18 +26,16 @@ pub struct Requirements {
     pub missing: Vec<String>,
     /// Optional capabilities that the adapter lacks, with their consequences, a line each.
     pub lost: Vec<String>,
-    m: u32,
-    gbuffer: GBufferTier,
-    rays: bool,
+    kind: Kind,
 }
 
-/// GPU memory in bytes, at one output size.
+/// The GPU memory of a node in bytes, without what the driver adds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Memory {
     /// The attachments that the host renders into.
     pub gbuffer: u64,
-    /// The remaining memory of the node, without rays. [`Requirements::memory`] excludes what is only created by the
-    /// first frame that needs it:
+    /// The remaining memory of the node, without rays: two images, the counts and the plan, and what some frames need
+    /// besides, which the first of them creates:
     /// - the list of [`Sorted`](crate::Execution::Sorted) and [`Bucketed`](crate::Execution::Bucketed), about 4 bytes a
     ///   pixel;
     /// - the list of [`Packed`](crate::Execution::Packed), 20 bytes for each sample that could be shaded;
@@ -38,10 +43,28 @@ pub struct Memory {
     /// - the lattices of [`MultiResolution`](crate::Technique::MultiResolution), about 43 bytes a pixel, 85 with rays,
     ///   and with shifted rows 75 and 150.
     pub scratch: u64,
-    /// Ray results, created by the first frame that traces, for the samples that its technique may trace: 4 bytes a sample for shadows and 4 for reflections and
-    /// refractions, and 24 more a pixel for [`Selective`](crate::Technique::Selective). The scene that is traced
-    /// belongs to the host, see [`RayScene::bytes`](crate::rays::RayScene::bytes).
+    /// The results of rays, created by the first frame that traces: 4 bytes a sample for shadows and 4 for reflections
+    /// and refractions, for all samples that the technique traces or, where a plan chooses them, for as many as
+    /// [`Settings::ray_samples`] says; and 24 more a pixel for [`Selective`](crate::Technique::Selective). The scene
+    /// that is traced belongs to the host, see [`RayScene::bytes`](crate::rays::RayScene::bytes).
     pub rays: u64,
+}
+
+impl Memory {
+    /// Adds up the bytes of parts.
+    pub(crate) fn of(parts: impl Iterator<Item = (Part, u64)>) -> Self {
+        let mut memory = Self { gbuffer: 0, scratch: 0, rays: 0 };
+        for (part, bytes) in parts {
+            match part.resource() {
+                Resource::GBuffer => memory.gbuffer += bytes,
+                Resource::Tiles | Resource::Traced => memory.rays += bytes,
+                // The target is the host's.
+                Resource::Target => {}
+                _ => memory.scratch += bytes,
+            }
+        }
+        memory
+    }
 }
 
 impl Requirements {
@@ -83,21 +106,21 @@ impl Requirements {
             limits,
             missing,
             lost,
-            m: descriptor.m,
-            gbuffer: descriptor.gbuffer,
-            rays: descriptor.rays.is_some(),
+            kind: Kind { m: descriptor.m, target_format: descriptor.target_format, gbuffer: descriptor.gbuffer },
         }
     }
 
-    /// The memory that [`resize`](crate::DeferredAa::resize) to this size will allocate, without padding. If the
-    /// descriptor has rays, [`Memory::rays`] is what frames that trace will add, without the 24 bytes a pixel of
-    /// `Selective`.
-    pub fn memory(&self, width: u32, height: u32) -> Memory {
-        Memory {
-            gbuffer: gbuffer_bytes([width, height], self.m, self.gbuffer),
-            scratch: scratch_bytes([width, height]),
-            rays: if self.rays { 2 * sample_bytes([width, height], self.m) } else { 0 },
-        }
+    /// The memory that the node will hold at this size once it has recorded a frame with these settings and needs:
+    /// [`DeferredAa::memory`](crate::DeferredAa::memory) then. Frames with other settings or needs may add to it.
+    pub fn memory(&self, width: u32, height: u32, settings: &Settings, needs: &Needs<'_>) -> Memory {
+        let inputs = RayInputs::of(settings, needs);
+        let layout = Layout { image: [width, height], size: [width, height] };
+        let shape = Shape::new(self.kind, layout, settings, inputs);
+        let used = used_parts(&techniques::steps(settings, inputs));
+        let memory = Memory::of(shape.held(&used));
+        let marks = if techniques::of(settings.technique).reads_marks() { MARKS_BYTES } else { 0 };
+        let rays = if inputs.any() { NodeBuffers::rays_bytes() } else { 0 };
+        Memory { scratch: memory.scratch + marks, rays: memory.rays + rays, ..memory }
     }
 }
 

@@ -20,6 +20,7 @@ pub(crate) struct Counters {
     pub tiles: [u32; 2],
     pub quadrants: QuadrantCounts,
     pub points: PointCounts,
+    pub without_rays: u32,
 }
 
 pub(crate) const COUNTER_BYTES: u64 = size_of::<Counters>() as u64;
@@ -150,6 +151,9 @@ pub struct Statistics {
     /// The number of tiles that asked for more than [`tile_limit`](crate::Windowed::tile_limit) samples and fell back
     /// to k = 1.
     pub overflowed_tiles: u32,
+    /// The number of planned samples for whose ray results there was no room
+    /// ([`Settings::ray_samples`](crate::Settings::ray_samples)). They took those of their window's first sample.
+    pub without_rays: u32,
     /// The number of shadow rays, modulo 2³².
     pub shadow_rays: u32,
     /// The number of reflected rays.

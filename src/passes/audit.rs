@@ -3,9 +3,13 @@
 use crate::gpu::binding::{Binding, PassData, Slot};
 use crate::gpu::modules::{Base, Module};
 use crate::host::graph::{Grid, Part, PassKind, Rounds, Stage};
+use crate::wgsl::chunk;
 
-static MODULE: Module =
-    Module { name: "audit", base: Base::Shading, chunks: &[include_str!("../../shaders/passes/audit.wgsl")] };
+static MODULE: Module = Module {
+    name: "audit",
+    base: Base::Shading,
+    chunks: &[chunk::RANKS, chunk::RESULTS_PLANNED, include_str!("../../shaders/passes/audit.wgsl")],
+};
 
 pub(crate) static AUDIT: PassData = PassData {
     names: &["audit"],

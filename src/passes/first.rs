@@ -3,9 +3,13 @@
 use crate::gpu::binding::{Binding, PassData, Slot};
 use crate::gpu::modules::{Base, Module};
 use crate::host::graph::{Grid, Part, PassKind, Rounds, Stage};
+use crate::wgsl::chunk;
 
-static MODULE: Module =
-    Module { name: "first", base: Base::Shading, chunks: &[include_str!("../../shaders/passes/first.wgsl")] };
+static MODULE: Module = Module {
+    name: "first",
+    base: Base::Shading,
+    chunks: &[chunk::RESULTS_BY_RANK, include_str!("../../shaders/passes/first.wgsl")],
+};
 
 pub(crate) static FIRST: PassData = PassData {
     names: &["first"],

@@ -8,7 +8,7 @@ use crate::wgsl::chunk;
 static MODULE: Module = Module {
     name: "metrics",
     base: Base::Found,
-    chunks: &[chunk::DISPLAY, include_str!("../../shaders/passes/metrics.wgsl")],
+    chunks: &[chunk::RESULTS_BY_RANK, chunk::DISPLAY, include_str!("../../shaders/passes/metrics.wgsl")],
 };
 
 pub(crate) static METRICS: PassData = PassData {

@@ -50,6 +50,7 @@ pub(crate) static ALL: &[&PassData] = &[
     &rays::reflect::GEOMETRIC,
     &rays::reflect::POINTS,
     &rays::classify::CLASSIFY,
+    &rays::places::PLACES,
     &rays::trace::FIRST,
     &rays::trace::FULL,
     &rays::trace::PLANNED,

@@ -8,7 +8,7 @@ use crate::wgsl::chunk;
 static MODULE: Module = Module {
     name: "plan",
     base: Base::GBuffer,
-    chunks: &[chunk::HISTOGRAM, include_str!("../../shaders/passes/plan.wgsl")],
+    chunks: &[chunk::TILE_SUM, chunk::HISTOGRAM, include_str!("../../shaders/passes/plan.wgsl")],
 };
 
 pub(crate) static PLAN: PassData = PassData {
@@ -21,6 +21,6 @@ pub(crate) static PLAN: PassData = PassData {
         Binding::write(1, "daa_plan", Slot::Part(Part::Plan)),
         Binding::write(2, "daa_statistics", Slot::Part(Part::Counters)),
     ],
-    stages: &[Stage::new("daa_plan_main", Grid::TileRuns)],
+    stages: &[Stage::new("daa_plan_main", Grid::Tiles)],
     rounds: Rounds::Once,
 };

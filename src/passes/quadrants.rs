@@ -9,7 +9,7 @@ use crate::wgsl::chunk;
 static MODULE: Module = Module {
     name: "quadrants",
     base: Base::Shading,
-    chunks: &[chunk::RANKS, chunk::WORK, include_str!("../../shaders/passes/quadrants.wgsl")],
+    chunks: &[chunk::RANKS, chunk::RESULTS_PLANNED, chunk::WORK, include_str!("../../shaders/passes/quadrants.wgsl")],
 };
 
 const BINDINGS: [Binding; 6] = [

@@ -10,6 +10,7 @@ static MODULE: Module = Module {
     base: Base::Shading,
     chunks: &[
         chunk::RANKS,
+        chunk::RESULTS_BY_RANK,
         chunk::BILATERAL,
         chunk::DISPLAY,
         chunk::HISTOGRAM,

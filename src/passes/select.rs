@@ -8,7 +8,14 @@ use crate::wgsl::chunk;
 static MODULE: Module = Module {
     name: "select",
     base: Base::Found,
-    chunks: &[chunk::DISPLAY, chunk::HISTOGRAM, include_str!("../../shaders/passes/select.wgsl")],
+    chunks: &[
+        chunk::RANKS,
+        chunk::RESULTS_BY_RANK,
+        chunk::TILE_SUM,
+        chunk::DISPLAY,
+        chunk::HISTOGRAM,
+        include_str!("../../shaders/passes/select.wgsl"),
+    ],
 };
 
 pub(crate) static SELECT: PassData = PassData {

@@ -3,9 +3,13 @@
 use crate::gpu::binding::{Binding, PassData, Slot};
 use crate::gpu::modules::{Base, Module};
 use crate::host::graph::{Grid, Part, PassKind, Rounds, Stage};
+use crate::wgsl::chunk;
 
-static MODULE: Module =
-    Module { name: "shade", base: Base::Shading, chunks: &[include_str!("../../shaders/passes/shade.wgsl")] };
+static MODULE: Module = Module {
+    name: "shade",
+    base: Base::Shading,
+    chunks: &[chunk::RANKS, chunk::RESULTS_PLANNED, include_str!("../../shaders/passes/shade.wgsl")],
+};
 
 const PLANNED: [Binding; 4] = [
     Binding::read(0, "daa_first", Slot::Part(Part::First)),
@@ -27,6 +31,7 @@ const SHADE: PassData = PassData {
 /// Shades every sample for `Full`, which has neither first samples nor a plan.
 pub(crate) static FULL: PassData = PassData {
     bindings: &[
+        Binding::read(1, "daa_plan", Slot::Part(Part::Plan)).if_used(false),
         Binding::write(2, "daa_color", Slot::Part(Part::Color)),
         Binding::write(3, "daa_statistics", Slot::Part(Part::Counters)),
     ],

@@ -10,6 +10,8 @@ static MODULE: Module = Module {
     name: "shade_listed",
     base: Base::Shading,
     chunks: &[
+        chunk::RANKS,
+        chunk::RESULTS_PLANNED,
         chunk::WORK,
         include_str!("../../shaders/passes/shade.wgsl"),
         include_str!("../../shaders/passes/shade_listed.wgsl"),

@@ -8,7 +8,7 @@ use crate::wgsl::chunk;
 static MODULE: Module = Module {
     name: "view",
     base: Base::GBuffer,
-    chunks: &[chunk::FULLSCREEN, include_str!("../../shaders/passes/view.wgsl")],
+    chunks: &[chunk::RANKS, chunk::RESULTS_PLANNED, chunk::FULLSCREEN, include_str!("../../shaders/passes/view.wgsl")],
 };
 
 const VIEW: PassData = PassData {
@@ -64,6 +64,7 @@ pub(crate) static SHADOWS: PassData = PassData {
 /// The number of rays that the samples sent.
 pub(crate) static RAYS: PassData = PassData {
     bindings: &[
+        Binding::read(1, "daa_plan", Slot::Part(Part::Plan)),
         Binding::read(3, "daa_shadows", Slot::Part(Part::Shadows)),
         Binding::read(4, "daa_reflections", Slot::Part(Part::Reflections)),
     ],

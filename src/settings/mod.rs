@@ -37,7 +37,7 @@ pub const SETTINGS_SOURCE: &[&str] = &[
 ///
 /// A pixel's *window* is its m × m samples, n = m² in all; k is how many of them are shaded. Every numeric setting has
 /// a range, listed in [`RANGES`](Self::RANGES).
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct Settings {
     /// How samples are chosen and combined into pixels.
@@ -61,11 +61,39 @@ pub struct Settings {
     pub reflections: Effect,
     /// Whether refracted rays are traced from the materials of [`Needs::reflective`](crate::Needs::reflective).
     pub refraction: Effect,
+    /// The number of samples a pixel beyond the first whose ray results there is room for, on average over the image or
+    /// its band, 0 to 63. Each takes 4 bytes for shadows, and 4 for reflections and refractions. Higher: takes more
+    /// memory. Lower: where a frame plans more samples, those without room take what the rays of their window's first
+    /// sample found, so that edges of shadows and reflections are rougher from the image's bottom up;
+    /// [`Statistics::without_rays`](crate::Statistics::without_rays) counts them. Used where a plan chooses samples: by
+    /// [`Technique::Windowed`], [`Technique::Selective`] and [`MultiResolution::supersampled`]. With a
+    /// [`goal`](Self::goal) there is room for all.
+    pub ray_samples: f32,
     /// What is written to the target: the image or a debug view.
     pub view: DebugView,
     /// An error or a time to hold. The node then scales the constants of [`windowed`](Self::windowed) together from
     /// frame to frame instead of using them as they are. Only for [`Technique::Windowed`]; other techniques ignore it.
     pub goal: Option<Goal>,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            technique: Technique::default(),
+            execution: Execution::default(),
+            windowed: Windowed::default(),
+            reconstructed: Reconstructed::default(),
+            selective: Selective::default(),
+            multi_resolution: MultiResolution::default(),
+            weight: Weight::default(),
+            shadows: Effect::default(),
+            reflections: Effect::default(),
+            refraction: Effect::default(),
+            ray_samples: 8.0,
+            view: DebugView::default(),
+            goal: None,
+        }
+    }
 }
 
 /// How samples are chosen and combined into pixels. All techniques work on the same G-buffer.

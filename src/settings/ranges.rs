@@ -56,13 +56,13 @@ impl SettingRange {
 
 /// Writes a setting's path once, for its name and for its value.
 macro_rules! range {
-    ($group:ident $(. $field:ident)+, $least:expr, $most:expr, $scale:ident) => {
+    ($group:ident $(. $field:ident)*, $least:expr, $most:expr, $scale:ident) => {
         SettingRange {
-            path: concat!(stringify!($group) $(, ".", stringify!($field))+),
+            path: concat!(stringify!($group) $(, ".", stringify!($field))*),
             least: $least,
             most: $most,
             scale: SettingScale::$scale,
-            get: |s| Some(s.$group $(. $field)+ as f32),
+            get: |s| Some(s.$group $(. $field)* as f32),
         }
     };
 }
@@ -104,6 +104,7 @@ impl Settings {
         range!(multi_resolution.color_threshold, 0.0, 1.0, Logarithmic),
         range!(multi_resolution.position_threshold, 0.0, 1.0, Logarithmic),
         range!(multi_resolution.footprint, 0.0, 4.0, Linear),
+        range!(ray_samples, 0.0, 63.0, Linear),
         SettingRange {
             path: "goal.error",
             least: 0.0,

@@ -1,7 +1,7 @@
 //! `Full`: shades every sample.
 
 use super::image::{Shown, image_or_view};
-use super::method::{Counted, Effort, Method, Windows};
+use super::method::{CastingRanks, Counted, Effort, Method, Windows};
 use super::rays;
 use crate::gpu::step::Steps;
 use crate::gpu::uniforms::casting::CastSamples;
@@ -31,6 +31,10 @@ impl Method for Full {
 
     fn shaded(&self, _: &Settings, m: u32, _: PlanWord) -> Option<Vec<usize>> {
         Some((0..(m * m) as usize).collect())
+    }
+
+    fn casting(&self, _: &Settings, m: u32) -> CastingRanks {
+        CastingRanks::First(m * m)
     }
 
     fn count(&self, _: &Counters, of: Windows) -> Counted {

@@ -53,6 +53,15 @@ pub(super) fn nothing(of: Windows) -> DecidedCounts {
     DecidedCounts { nothing: of.windows as u32, ..Default::default() }
 }
 
+/// The samples of windows that may cast rays.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum CastingRanks {
+    /// The first so many of every window.
+    First(u32),
+    /// The first one of every window, and those that a plan has beyond it.
+    Planned,
+}
+
 /// A technique: its check of a frame, its part of the constants, its passes, and the meaning of its counters.
 pub(crate) trait Method: Sync {
     /// Refuses frames that the technique can't render although all settings are in range.
@@ -95,10 +104,8 @@ pub(crate) trait Method: Sync {
         None
     }
 
-    /// The number of ranks of a window that may cast rays: the first ones.
-    fn casting_ranks(&self, _settings: &Settings, m: u32) -> u32 {
-        m * m
-    }
+    /// The samples that may cast rays.
+    fn casting(&self, settings: &Settings, m: u32) -> CastingRanks;
 
     /// How far around a pixel its passes read what lies in other pixels, in pixels. A band is rastered so much further
     /// than it is shown.

@@ -2,7 +2,7 @@
 //! (University of Alaska Fairbanks thesis on tri-adaptive sampling).
 
 use super::image::{Shown, image_or_view};
-use super::method::{Counted, Effort, Method, Windows, nothing};
+use super::method::{CastingRanks, Counted, Effort, Method, Windows, nothing};
 use super::planned::{blocks, planned};
 use super::rays;
 use super::reconstructed::weights;
@@ -86,6 +86,18 @@ impl Method for MultiResolution {
             .then_if(more || settings.view != DebugView::Image, Step::on(to_pixels, PIXELS))
             .then_all(beyond)
             .then(image_or_view(settings, &Shown { image, planned: true, classified, inputs }))
+    }
+
+    fn casting(&self, settings: &Settings, m: u32) -> CastingRanks {
+        let l = &settings.multi_resolution;
+        // The points of shifted rows may be any samples.
+        if [l.shading.pattern, l.rays.pattern].into_iter().any(|pattern| pattern != Pattern::Quad) {
+            CastingRanks::First(m * m)
+        } else if l.supersampled {
+            CastingRanks::Planned
+        } else {
+            CastingRanks::First(1)
+        }
     }
 
     fn count(&self, counters: &Counters, of: Windows) -> Counted {

@@ -3,7 +3,6 @@
 use super::rays;
 use crate::gpu::binding::PassData;
 use crate::gpu::step::{Step, Steps};
-use crate::gpu::uniforms::casting::CastSamples;
 use crate::host::needs::RayInputs;
 use crate::passes::{list, max_filter, plan, shade, shade_listed};
 use crate::settings::Execution;
@@ -25,7 +24,7 @@ pub(super) fn planned(execution: Execution, inputs: RayInputs) -> Vec<Step> {
     Steps::default()
         .then_if(execution == Execution::MaxFiltered, &max_filter::MAX_FILTER)
         .then(&plan::PLAN)
-        .then_all(rays::cast(inputs, CastSamples::Planned))
+        .then_all(rays::cast_planned(inputs))
         .then_all(listed.map(Step::from))
         .then(shade)
         .0

@@ -3,7 +3,7 @@
 use crate::gpu::step::Step;
 use crate::gpu::uniforms::casting::CastSamples;
 use crate::host::needs::RayInputs;
-use crate::passes::rays::{classify, reflect, trace};
+use crate::passes::rays::{classify, places, reflect, trace};
 
 /// The step that lists the tiles in which rays are needed.
 pub(super) fn classified(inputs: RayInputs) -> Option<Step> {
@@ -22,4 +22,11 @@ pub(super) fn cast(inputs: RayInputs, samples: CastSamples) -> impl Iterator<Ite
     };
     let wanted = [(inputs.shadows, trace), (inputs.reflections, reflect)];
     wanted.into_iter().filter(|(is, _)| *is).map(move |(_, pass)| Step::cast(pass, samples))
+}
+
+/// The steps that cast rays from the samples that a plan has beyond the first, and first find the places of their
+/// results.
+pub(super) fn cast_planned(inputs: RayInputs) -> impl Iterator<Item = Step> {
+    let places = inputs.any().then(|| (&places::PLACES).into());
+    places.into_iter().chain(cast(inputs, CastSamples::Planned))
 }

@@ -2,7 +2,7 @@
 //! (WSCG 2012).
 
 use super::image::{Shown, image_or_view};
-use super::method::{Counted, Effort, Method, Windows, nothing};
+use super::method::{CastingRanks, Counted, Effort, Method, Windows, nothing};
 use super::rays;
 use crate::gpu::step::Steps;
 use crate::gpu::uniforms::casting::CastSamples;
@@ -58,16 +58,16 @@ impl Method for Reconstructed {
         1
     }
 
-    fn casting_ranks(&self, settings: &Settings, m: u32) -> u32 {
-        settings.reconstructed.samples(m)
-    }
-
     fn order(&self, settings: &Settings, m: u32) -> Vec<(u8, u8)> {
         if settings.reconstructed.rotated_grid { window::rotated(m) } else { window::order(m) }
     }
 
     fn shaded(&self, _: &Settings, _: u32, _: PlanWord) -> Option<Vec<usize>> {
         None
+    }
+
+    fn casting(&self, settings: &Settings, m: u32) -> CastingRanks {
+        CastingRanks::First(settings.reconstructed.samples(m))
     }
 
     fn count(&self, counters: &Counters, of: Windows) -> Counted {

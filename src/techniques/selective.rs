@@ -2,7 +2,7 @@
 //! Park, Lee, Jung 2009).
 
 use super::image::{Shown, image_or_view};
-use super::method::{Counted, Effort, Method, Windows, nothing};
+use super::method::{CastingRanks, Counted, Effort, Method, Windows, nothing};
 use super::rays;
 use crate::gpu::binding::PassData;
 use crate::gpu::buffers::check_marks;
@@ -21,6 +21,18 @@ pub(super) struct Selective;
 
 /// `DAA_OFF` of select.wgsl: greater than any contrast and than any threshold that is on.
 pub(crate) const OFF: f32 = 2.0;
+
+/// The ranks beyond the first that each quadrant uses, a bit each: `daa_ranks_of` of sample.wgsl.
+fn quadrant_ranks(order: &[(u8, u8)], m: u32) -> [[u32; 4]; 2] {
+    let mut ranks = [[0; 4]; 2];
+    for (rank, &(x, y)) in order.iter().enumerate().skip(1) {
+        let quadrants = window::quadrants(m, x, y);
+        for quadrant in (0..4).filter(|quadrant| quadrants >> quadrant & 1 != 0) {
+            ranks[quadrant / 2][quadrant % 2 * 2 + rank / 32] |= 1 << (rank % 32);
+        }
+    }
+    ranks
+}
 
 impl Method for Selective {
     fn check(&self, _: &Settings, needs: &Needs<'_>, _: [u32; 2], _: u32) -> Result<(), RecordError> {
@@ -46,6 +58,7 @@ impl Method for Selective {
             contrast_min: s.contrast_min,
             normal_cosine: s.normal_cosine,
             samples: window::quadrant_samples(m),
+            ranks: quadrant_ranks(&self.order(settings, m), m),
         };
     }
 
@@ -60,7 +73,7 @@ impl Method for Selective {
             .then_all(rays::cast(inputs, CastSamples::First))
             .then(&first::FIRST)
             .then(&select::SELECT)
-            .then_all(rays::cast(inputs, CastSamples::Planned))
+            .then_all(rays::cast_planned(inputs))
             .then(&list::PIXELS)
             .then(shade)
             .then(image_or_view(settings, &Shown { image, planned: true, classified: inputs.any(), inputs }))
@@ -74,6 +87,10 @@ impl Method for Selective {
         let chosen =
             |&(rank, (x, y)): &(usize, (u8, u8))| rank == 0 || window::quadrants(m, x, y) & word.quadrants() != 0;
         Some(self.order(settings, m).into_iter().enumerate().filter(chosen).map(|(rank, _)| rank).collect())
+    }
+
+    fn casting(&self, _: &Settings, _: u32) -> CastingRanks {
+        CastingRanks::Planned
     }
 
     fn count(&self, counters: &Counters, of: Windows) -> Counted {

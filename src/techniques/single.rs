@@ -1,7 +1,7 @@
 //! `Single`: shades one sample a pixel, as plain deferred shading does.
 
 use super::image::{Shown, image_or_view};
-use super::method::{Counted, Effort, Method, Windows};
+use super::method::{CastingRanks, Counted, Effort, Method, Windows};
 use super::rays;
 use crate::gpu::step::Steps;
 use crate::gpu::uniforms::casting::CastSamples;
@@ -26,12 +26,12 @@ impl Method for Single {
             .then(image_or_view(settings, &shown))
     }
 
-    fn casting_ranks(&self, _: &Settings, _: u32) -> u32 {
-        1
-    }
-
     fn shaded(&self, _: &Settings, _: u32, _: PlanWord) -> Option<Vec<usize>> {
         Some(vec![0])
+    }
+
+    fn casting(&self, _: &Settings, _: u32) -> CastingRanks {
+        CastingRanks::First(1)
     }
 
     fn count(&self, _: &Counters, of: Windows) -> Counted {

@@ -1,7 +1,7 @@
 //! `Windowed`: shades k samples of each window, by how much its samples differ (Holländer, Boubekeur, Eisemann 2013).
 
 use super::image::{Shown, image_or_view};
-use super::method::{Counted, Effort, Method, Windows};
+use super::method::{CastingRanks, Counted, Effort, Method, Windows};
 use super::planned::{blocks, planned};
 use super::rays;
 use crate::gpu::step::Steps;
@@ -60,6 +60,10 @@ impl Method for Windowed {
         }
         // The audit runs after the image, which does not wait for it.
         steps.then_all(rays::cast(inputs, CastSamples::Audited)).then(&audit::AUDIT)
+    }
+
+    fn casting(&self, _: &Settings, _: u32) -> CastingRanks {
+        CastingRanks::Planned
     }
 
     fn count(&self, counters: &Counters, of: Windows) -> Counted {

@@ -205,11 +205,13 @@ fn requirements_name_what_is_missing() {
 fn requirements_foretell_the_memory() {
     for m in [1, 4, 7] {
         let gpu = harness::device(TextureTier::None);
-        let foretold = DeferredAa::requirements(&gpu.adapter, &descriptor(m, Rgba8Unorm, WHITE)).memory(WIDTH, HEIGHT);
+        let requirements = DeferredAa::requirements(&gpu.adapter, &descriptor(m, Rgba8Unorm, WHITE));
+        let foretold = requirements.memory(WIDTH, HEIGHT, &Settings::default(), &Needs::default());
         let mut aa = DeferredAa::new(&gpu.device, &descriptor(m, Rgba8Unorm, WHITE), None).expect("a node");
         let memory = aa.memory();
         assert_eq!((memory.gbuffer, memory.scratch), (0, 0));
         aa.resize(&gpu.device, WIDTH, HEIGHT).expect("a size");
+        render(&gpu, &mut aa, Rgba8Unorm, Settings::default());
         assert_eq!(aa.memory(), foretold);
         assert_eq!(foretold.gbuffer, u64::from(WIDTH * HEIGHT * m * m) * 36);
     }

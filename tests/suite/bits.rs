@@ -73,7 +73,12 @@ fn hashes(host: &mut Host, settings: Settings) -> [u32; 3] {
     [
         Hash::of(picture.as_flattened().iter().flat_map(|c| c.to_le_bytes())),
         Hash::words(counters(&statistics)),
-        Hash::words(plan.into_iter().map(|word| u64::from(word.0))),
+        Hash::words(plan.into_iter().map(|word| {
+            // As words were when the hashes were written down: `Selective` had no numbers of samples.
+            let selective = settings.technique == Technique::Selective;
+            let rest = if selective { word.quadrants() } else { word.before() };
+            u64::from(word.0 & 0xffff | rest << 16)
+        })),
     ]
 }
 

@@ -4,7 +4,7 @@ use deferred_aa::reference::metrics::{Input, Worth};
 use deferred_aa::reference::octahedral;
 use deferred_aa::{
     BINDING_FEATURES, Band, Camera, DeferredAa, Descriptor, Frame, GBuffer, GBufferTier, InputReport, Needs,
-    RecordError, Settings, Shading, Statistics, TextureTier,
+    RecordError, Settings, Shading, Statistics, Technique, TextureTier,
     glam::{DVec3, Mat4, Vec2, Vec3, Vec4, camera::rh::proj::directx},
     wgpu,
 };
@@ -196,7 +196,7 @@ impl Rig {
         self.gpu.queue.submit([commands]);
         self.gpu.wait();
         let statistics = self.aa.statistics().expect("statistics").clone();
-        let output = Output { image: self.image(), statistics, plan: self.plan() };
+        let output = Output { image: self.image(), statistics, plan: self.plan(settings.technique) };
         assert_eq!(self.gpu.take_errors(), Vec::<String>::new());
         output
     }
@@ -221,12 +221,14 @@ impl Rig {
         }
     }
 
-    fn plan(&self) -> Vec<(u32, u32, u32)> {
+    /// k, the reason, and the active quadrants or, without any, the number of the tile's samples before the window's.
+    fn plan(&self, technique: Technique) -> Vec<(u32, u32, u32)> {
         let passed = self.aa.intermediates().expect("a size");
         let words: Vec<u32> = bytemuck::pod_collect_to_vec(&self.gpu.read_buffer(passed.plan));
         let pixels = (0..self.size[1]).flat_map(|y| (0..self.size[0]).map(move |x| (x, y)));
         let word = |(x, y)| words[passed.slots.pixel(x, y)];
-        pixels.map(word).map(|w| (w & 0xff, w >> 8 & 0xff, w >> 16)).collect()
+        let rest = |w: u32| if technique == Technique::Selective { w >> 16 & 15 } else { w >> 20 };
+        pixels.map(word).map(|w| (w & 0xff, w >> 8 & 0xff, rest(w))).collect()
     }
 
     /// What the metrics read, as the twin takes it.

@@ -4,13 +4,17 @@ use crate::shadows::{full, host};
 use bytemuck::pod_collect_to_vec;
 use deferred_aa::rays::RayTier;
 use deferred_aa::reference::rays::classify::classify;
+use deferred_aa::reference::rays::places::places;
 use deferred_aa::{
-    DeferredAa, Effect, GBufferTier, Needs, Reconstructed, RecordError, Settings, Technique, TextureTier,
+    DebugView, DeferredAa, Effect, Execution, GBufferTier, Goal, Lattice, MultiResolution, Needs, Pattern, PlanWord,
+    Reconstructed, RecordError, Settings, Technique, TextureTier, Traced, sample_order, shaded_places,
 };
 use deferred_aa_demo::gpu::{self, Gpu};
 use deferred_aa_demo::host::{Host, Options, descriptor};
+use deferred_aa_demo::measure::quality::psnr;
 use deferred_aa_demo::rays::reflective;
 use deferred_aa_demo::scene::builtin::{self, SQUARES, builtin};
+use std::collections::HashSet;
 use std::time::{Duration, Instant};
 
 /// The lists that rays are dispatched over are the twin's, whatever their order.
@@ -134,5 +138,123 @@ fn single_keeps_a_sixteenth_of_what_full_keeps() {
     assert_eq!(kept(Technique::Single) * 16, full);
     // The four samples of a rotated grid.
     assert_eq!(kept(Technique::Reconstructed) * 4, full);
-    assert_eq!(kept(Technique::Windowed), full);
+    // The first sample, and 8 of the 15 others.
+    assert_eq!(kept(Technique::Windowed) * 16, full * 9);
+    assert_eq!(kept(Technique::Selective) * 16, full * 9);
+}
+
+/// The memory of a node is what its requirements said for each technique, with lists, lattices, views and all rays.
+#[test]
+fn requirements_foretell_what_a_frame_holds() {
+    let scene = builtin("mirrors").unwrap();
+    let camera = scene.default_camera();
+    let sent = reflective(&scene);
+    let [some, audited] = [None, Some(Goal::Error(0.01))];
+    let triangles = Lattice { pattern: Pattern::Triangular, coarsest: 2 };
+    let shifted = MultiResolution { shading: triangles, rays: triangles, ..Default::default() };
+    let supersampled = MultiResolution { supersampled: true, ..Default::default() };
+    let with = |technique, execution, view, goal, multi_resolution| Settings {
+        technique,
+        execution,
+        view,
+        goal,
+        multi_resolution,
+        ..Default::default()
+    };
+    let mut frames = Technique::ALL
+        .map(|technique| with(technique, Execution::Loop, DebugView::Image, some, MultiResolution::default()))
+        .to_vec();
+    let windowed = |execution, view, goal| with(Technique::Windowed, execution, view, goal, shifted);
+    frames.extend([
+        windowed(Execution::Packed, DebugView::Image, some),
+        windowed(Execution::Sorted, DebugView::Rays, some),
+        windowed(Execution::Loop, DebugView::Image, audited),
+        with(Technique::MultiResolution, Execution::Packed, DebugView::Image, some, shifted),
+        with(Technique::MultiResolution, Execution::Loop, DebugView::Rays, some, supersampled),
+    ]);
+    frames.push(Settings { ray_samples: 0.3, ..Settings::default() });
+    for settings in frames {
+        for settings in [settings, Settings { shadows: Effect::Off, ..settings }] {
+            let mut host = host(scene.clone(), 3, [45, 22]);
+            host.frame(&camera, settings).unwrap();
+            let requirements = DeferredAa::requirements(&host.gpu.adapter, &host.options.descriptor());
+            let lights = [deferred_aa::CastingLight::Directional { towards: glam::Vec3::Y }];
+            let needs = Needs { shadows: &lights, reflective: &sent, ..Default::default() };
+            assert_eq!(requirements.memory(45, 22, &settings, &needs), host.aa.memory(), "{settings:?}");
+        }
+    }
+}
+
+/// Planned samples have the shadow bits and the radiance of full supersampling, in whatever room; those for which
+/// there is none have what their first sample has.
+#[test]
+fn planned_samples_keep_what_their_rays_find() {
+    let size = [61, 35];
+    for (name, m) in [("shadows", 4), ("mirrors", 3), ("mirrors", 8)] {
+        let scene = builtin(name).unwrap();
+        let camera = scene.default_camera();
+        let mut host = host(scene, m, size);
+        host.frame(&camera, full()).unwrap();
+        let (of_full, no_plan, all) = found(&host);
+        let of_full = |x, y, rank| of_full.place(&no_plan, x, y, rank).unwrap();
+        let depths = host.depths();
+        let full_order = sample_order(&full(), m);
+        let supersampled = MultiResolution { supersampled: true, ..Default::default() };
+        for technique in [Technique::Windowed, Technique::Selective, Technique::MultiResolution] {
+            let settings = Settings { technique, multi_resolution: supersampled, ray_samples: 63.0, ..full() };
+            let order = sample_order(&settings, m);
+            let in_full = |rank| full_order.iter().position(|&of| of == order[rank as usize]).unwrap() as u32;
+            host.frame(&camera, settings).unwrap();
+            let image = host.picture();
+            for ray_samples in [63.0, 0.6, 0.0] {
+                let at = format!("{name} {technique:?} {ray_samples}");
+                let settings = Settings { ray_samples, ..settings };
+                let statistics = host.frame(&camera, settings).unwrap().statistics;
+                let (traced, plan, some) = found(&host);
+                let slots = host.aa.intermediates().unwrap().slots;
+                let (words, behind) = plan.split_at(slots.count());
+                let room = (slots.count() as f64 * f64::from(ray_samples.min((m * m - 1) as f32))).ceil() as usize;
+                let (begins, without) = places(words, room);
+                assert_eq!(behind.iter().map(|word| word.0 as usize).collect::<Vec<_>>(), begins, "{at}");
+                assert_eq!(statistics.without_rays as usize, without, "{at}");
+                assert_eq!(without > 0, ray_samples < 1.0, "{at}: {without}");
+                let (mut compared, mut lost, mut taken) = (0, 0, HashSet::new());
+                for (x, y) in (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (x, y))) {
+                    for place in shaded_places(&settings, m, plan[slots.pixel(x, y)]).unwrap() {
+                        let rank = order.iter().position(|&of| of == place).unwrap() as u32;
+                        let Some(own) = traced.place(&plan, x, y, rank) else {
+                            lost += 1;
+                            continue;
+                        };
+                        assert!(taken.insert(own), "{at}: another sample has its place");
+                        let [at_x, at_y] = [x * m + u32::from(place.0), y * m + u32::from(place.1)];
+                        // The first samples of lattices may be interpolated.
+                        let interpolated = technique == Technique::MultiResolution && rank == 0;
+                        if interpolated || depths[(at_y * size[0] * m + at_x) as usize] == 0.0 {
+                            continue;
+                        }
+                        for (some, all) in some.iter().zip(&all) {
+                            assert_eq!(some.get(own), all.get(of_full(x, y, in_full(rank))), "{at} ({x}, {y}) {rank}");
+                        }
+                        compared += 1;
+                    }
+                }
+                assert_eq!(lost, without, "{at}");
+                assert!(compared > 1000 || ray_samples == 0.0, "{at}: {compared}");
+                let db = psnr(&host.picture(), &image).unwrap();
+                assert!(db > 25.0, "{at}: {db} dB");
+                assert_eq!(host.picture().rgba == image.rgba, without == 0, "{at}: {db} dB");
+            }
+        }
+    }
+}
+
+/// What the last frame's rays found: the places, the plan, and the shadow bits and the radiance.
+fn found(host: &Host) -> (Traced, Vec<PlanWord>, [Vec<u32>; 2]) {
+    let passed = host.aa.intermediates().unwrap();
+    let read = |buffer: Option<&wgpu::Buffer>| -> Vec<u32> {
+        buffer.map_or(Vec::new(), |buffer| pod_collect_to_vec(&host.gpu.read_buffer(buffer)))
+    };
+    let plan = pod_collect_to_vec(&host.gpu.read_buffer(passed.plan));
+    (passed.traced, plan, [read(passed.shadows), read(passed.reflections)])
 }

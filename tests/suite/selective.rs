@@ -6,8 +6,8 @@ use bytemuck::pod_collect_to_vec;
 use deferred_aa::glam::{Mat4, Vec2, Vec3, vec3};
 use deferred_aa::reference::selective::Input;
 use deferred_aa::{
-    ColorReference, DebugView, Enabled, LuminanceCurve, Needs, ObjectImportance, RecordError, Selective, Settings,
-    Technique, Weight, window,
+    ColorReference, DebugView, Enabled, LuminanceCurve, Needs, ObjectImportance, PlanWord, RecordError, Selective,
+    Settings, Technique, Weight, window,
 };
 use deferred_aa_demo::quality::psnr;
 use deferred_aa_demo::scene::{LightKind, builtin};
@@ -277,7 +277,6 @@ fn plans_with_rays_are_the_twins() {
         let scene = builtin::builtin(name).unwrap();
         let camera = scene.default_camera();
         let mut host = host(scene, m, size);
-        let n = (m * m) as usize;
         let places = window::centred(m);
         assert_eq!(places, window::order(m), "bits of `Full` are compared rank by rank");
         let read = |host: &deferred_aa_demo::host::Host, reflections: bool| -> Option<Vec<u32>> {
@@ -294,7 +293,8 @@ fn plans_with_rays_are_the_twins() {
             let [bits, codes] = [false, true].map(|reflections| read(&host, reflections));
             let passed = host.aa.intermediates().unwrap();
             let slots = passed.slots.count();
-            let plan: Vec<u32> = pod_collect_to_vec(&host.gpu.read_buffer(passed.plan));
+            let (plan, traced): (Vec<PlanWord>, _) =
+                (pod_collect_to_vec(&host.gpu.read_buffer(passed.plan)), passed.traced);
             let at = |x: u32, y: u32| passed.slots.pixel(x, y);
             let depth = host.depths();
             let surface = host.surfaces();
@@ -310,7 +310,8 @@ fn plans_with_rays_are_the_twins() {
                 exposure: 1.0,
                 shadow: &|x, y| bits.as_ref().map_or(0, |bits| bits[at(x, y)]),
                 hit: &|x, y, kind| {
-                    let word = |i| codes.as_ref().map_or(0, |c| c[(n + kind as usize * 3 + i) * slots + at(x, y)]);
+                    let word =
+                        |i| codes.as_ref().map_or(0, |c| c[traced.hits() + (kind as usize * 3 + i) * slots + at(x, y)]);
                     [0, 1, 2].map(word)
                 },
                 textured: &|material| textured[material as usize],
@@ -318,7 +319,7 @@ fn plans_with_rays_are_the_twins() {
             };
             let mut unsure = 0;
             for (x, y) in (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (x, y))) {
-                let word = plan[at(x, y)];
+                let word = plan[at(x, y)].0 & 0xfffff;
                 let (expected, sure) = input.planned(x, y, &s);
                 if sure {
                     assert_eq!(word, expected, "{name} m = {m} {s:?} {x}, {y}");
@@ -328,8 +329,10 @@ fn plans_with_rays_are_the_twins() {
                 for (rank, &(sx, sy)) in places.iter().enumerate() {
                     if rank == 0 || window::quadrants(m, sx, sy) & (word >> 16) != 0 {
                         for (own, all) in [(&bits, &of_full[0]), (&codes, &of_full[1])] {
-                            let word = |words: &Option<Vec<u32>>| words.as_ref().map(|w| w[rank * slots + at(x, y)]);
-                            assert_eq!(word(own), word(all), "{name} m = {m} {x}, {y}, rank {rank}");
+                            let place = traced.place(&plan, x, y, rank as u32).expect("room");
+                            let own = own.as_ref().map(|words| words[place]);
+                            let all = all.as_ref().map(|words| words[rank * slots + at(x, y)]);
+                            assert_eq!(own, all, "{name} m = {m} {x}, {y}, rank {rank}");
                         }
                     }
                 }

@@ -233,7 +233,7 @@ fn lend_refuses_what_can_not_serve() {
     let part = Part::Plan;
     let small = buffer(16 * 16 * 4 - 4, wgpu::BufferUsages::STORAGE);
     let limit = gpu.device.limits().max_storage_buffer_binding_size;
-    let bytes = LendError::Bytes { part, lent: 1020, needed: 1024, limit };
+    let bytes = LendError::Bytes { part, lent: 1020, needed: 1040, limit };
     assert_eq!(refused(&[(part, Buffer(&small))]), bytes);
     let missing = wgpu::BufferUsages::INDIRECT | wgpu::BufferUsages::COPY_DST;
     let part = Part::Tiles;

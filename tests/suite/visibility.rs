@@ -549,3 +549,21 @@ fn meshes_and_instances_that_do_not_serve_are_refused() {
     let world = Affine3A::from_scale(vec3(1.0, f32::NAN, 1.0));
     assert!(matches!(update(Instance { world, ..instance }), Err(RayError::Transform { .. })));
 }
+
+/// More materials than 16 bits hold are refused on both tiers, and none becomes another.
+#[test]
+fn more_materials_than_a_sample_can_name_are_refused() {
+    let mut scene = builtin::builtin("flat").unwrap();
+    let material = scene.materials[0].clone();
+    scene.materials.resize_with(65537, || material.clone());
+    for gbuffer in [GBufferTier::default(), GBufferTier::Visibility(Ids::Wide)] {
+        let options = Options { gbuffer, ..Options::new(16, 16, 1) };
+        let gpu = Gpu::new(gpu::choose(None).expect("an adapter"), &options.descriptor()).expect("a device");
+        let refused = Host::new(gpu, scene.clone(), options).map(|_| ()).expect_err("too many").to_string();
+        assert!(refused.contains("65537 materials") && refused.contains("65536"), "{refused}");
+    }
+    scene.materials.truncate(65536);
+    let options = Options::new(16, 16, 1);
+    let gpu = Gpu::new(gpu::choose(None).expect("an adapter"), &options.descriptor()).expect("a device");
+    Host::new(gpu, scene, options).map(|_| ()).expect("as many as there are names");
+}

@@ -654,14 +654,16 @@ impl Host {
             buffer.filter(|_| is).map_or(Vec::new(), |b| bytemuck::pod_collect_to_vec(&self.gpu.read_buffer(b)))
         };
         let (shadows, reflections) = (read(passed.shadows, traced[0]), read(passed.reflections, traced[1]));
+        let plan: Vec<PlanWord> = bytemuck::pod_collect_to_vec(&self.gpu.read_buffer(passed.plan));
         let n = self.options.m * self.options.m;
         let (width, height) = (self.options.width, self.options.height);
         let mut sent = Vec::with_capacity((width * height * n) as usize);
+        let [of_shadows, of_others] = passed.traced.counts();
         for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
             sent.extend((0..n).map(|rank| {
-                // The counts of rays lie behind all samples, those of secondary rays behind six words of hits as well.
-                let shadow = shadows.get(passed.slots.sample(x, y, n + rank)).copied().unwrap_or(0);
-                let others = reflections.get(passed.slots.sample(x, y, n + 6 + rank)).copied().unwrap_or(0);
+                let Some(place) = passed.traced.place(&plan, x, y, rank) else { return Sent::default() };
+                let shadow = shadows.get(of_shadows + place).copied().unwrap_or(0);
+                let others = reflections.get(of_others + place).copied().unwrap_or(0);
                 Sent { shadow: shadow as u8, mirrored: others as u8, refracted: (others >> 16) as u8 }
             }));
         }

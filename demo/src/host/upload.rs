@@ -91,12 +91,21 @@ pub struct GpuLight {
     pub(crate) padding: [u32; 2],
 }
 
+/// The number of materials that a G-buffer tells apart: 16 bits of a sample.
+const MOST_MATERIALS: usize = 1 << 16;
+
 /// The scene does not fit the device.
 #[derive(Debug, Clone, thiserror::Error)]
 pub enum UploadError {
     /// The textures.
     #[error("the scene's textures: {0}")]
     Textures(#[from] TableError),
+    /// The materials.
+    #[error("the scene has {materials} materials, a G-buffer tells {MOST_MATERIALS} apart; merge those that are alike")]
+    Materials {
+        /// Their number.
+        materials: usize,
+    },
     /// A buffer.
     #[error("the scene's {what} take {bytes} bytes, the device allows {limit} a buffer; use a smaller scene")]
     Buffer {
@@ -130,6 +139,9 @@ impl GpuScene {
         scene: &Scene,
         anisotropy: u16,
     ) -> Result<Self, UploadError> {
+        if scene.materials.len() > MOST_MATERIALS {
+            return Err(UploadError::Materials { materials: scene.materials.len() });
+        }
         let mut vertices = Vec::new();
         let mut indices: Vec<u32> = Vec::new();
         let mut meshes = Vec::with_capacity(scene.meshes.len());

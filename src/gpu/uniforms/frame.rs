@@ -1,6 +1,7 @@
 //! The frame's constants: `DaaFrame` of frame.wgsl. Each technique fills in its own part.
 
 use crate::TILE;
+use crate::gpu::sizes::Results;
 use crate::gpu::uniforms::audited::Audited;
 use crate::host::band::Band;
 use crate::host::error::RecordError;
@@ -57,6 +58,7 @@ pub(crate) struct SelectiveUniform {
     pub contrast_min: f32,
     pub normal_cosine: f32,
     pub samples: u32,
+    pub ranks: [[u32; 4]; 2],
 }
 
 /// `DaaMultiResolution` of frame.wgsl.
@@ -66,6 +68,25 @@ pub(crate) struct MultiResolutionUniform {
     pub color: f32,
     pub position: f32,
     pub padding: [u32; 2],
+}
+
+/// `DaaResults` of frame.wgsl.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub(crate) struct ResultsUniform {
+    pub ranks: u32,
+    pub planned: u32,
+    pub audited: u32,
+    pub words: u32,
+}
+
+impl From<Results> for ResultsUniform {
+    /// More words than 2³² exceed what any device binds.
+    fn from(results: Results) -> Self {
+        let words = |words| u32::try_from(words).unwrap_or(u32::MAX);
+        let Results { ranks, planned, audited, words: all } = results;
+        Self { ranks, planned: words(planned), audited, words: words(all) }
+    }
 }
 
 /// `DaaFrame` of frame.wgsl.
@@ -90,6 +111,7 @@ pub(crate) struct FrameUniform {
     pub image: [u32; 2],
     pub target_origin: [u32; 2],
     pub shown: [u32; 4],
+    pub results: ResultsUniform,
     pub windowed: WindowedUniform,
     pub audit: AuditUniform,
     pub reconstruct: ReconstructUniform,

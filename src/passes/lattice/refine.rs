@@ -10,7 +10,15 @@ const REFINE: &str = include_str!("../../../shaders/lattice/refine.wgsl");
 static OF_COLORS: Module = Module {
     name: "refine",
     base: Base::Found,
-    chunks: &[chunk::LATTICE, chunk::LATTICE_COLORS, chunk::BILATERAL, chunk::DISPLAY, chunk::RESIDUAL, REFINE],
+    chunks: &[
+        chunk::RESULTS_BY_RANK,
+        chunk::LATTICE,
+        chunk::LATTICE_COLORS,
+        chunk::BILATERAL,
+        chunk::DISPLAY,
+        chunk::RESIDUAL,
+        REFINE,
+    ],
 };
 
 static OF_RAYS: Module = Module {

@@ -1,6 +1,7 @@
 //! The passes that cast rays.
 
 pub(crate) mod classify;
+pub(crate) mod places;
 pub(crate) mod reflect;
 pub(crate) mod trace;
 

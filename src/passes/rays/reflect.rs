@@ -4,11 +4,12 @@ use super::{Cast, over_audited, over_points, over_tiles};
 use crate::gpu::binding::{Binding, PassData, Slot, by_level};
 use crate::gpu::modules::{Base, Module};
 use crate::host::graph::{Part, PassKind, Rounds};
+use crate::wgsl::chunk;
 
 static MODULE: Module = Module {
     name: "reflect",
     base: Base::Casting { shades: true },
-    chunks: &[include_str!("../../../shaders/rays/reflect.wgsl")],
+    chunks: &[chunk::RANKS, chunk::RESULTS_PLANNED, include_str!("../../../shaders/rays/reflect.wgsl")],
 };
 
 /// The bindings of a pass that casts rays, and the materials that send rays.

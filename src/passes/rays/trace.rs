@@ -4,11 +4,12 @@ use super::{Cast, over_audited, over_points, over_tiles};
 use crate::gpu::binding::{PassData, by_level};
 use crate::gpu::modules::{Base, Module};
 use crate::host::graph::{Part, PassKind, Rounds};
+use crate::wgsl::chunk;
 
 static MODULE: Module = Module {
     name: "trace",
     base: Base::Casting { shades: false },
-    chunks: &[include_str!("../../../shaders/rays/trace.wgsl")],
+    chunks: &[chunk::RANKS, chunk::RESULTS_PLANNED, include_str!("../../../shaders/rays/trace.wgsl")],
 };
 
 const FOUND: (&str, Part) = ("daa_shadows", Part::Shadows);

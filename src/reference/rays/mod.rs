@@ -1,6 +1,7 @@
 //! Twin of `shaders/swap/rays_software.wgsl`: tests every triangle against every ray, in f64.
 
 pub mod classify;
+pub mod places;
 pub mod reflect;
 pub mod shared_exponent;
 pub mod trace;

@@ -8,7 +8,7 @@ use crate::report::ReportError;
 use crate::report::cache::{About, Cache};
 use crate::report::schema::TruthInfo;
 use crate::report::session::Session;
-use deferred_aa::{DeferredAa, Rect, Settings};
+use deferred_aa::{DeferredAa, Needs, Rect, Settings, Technique};
 use glam::Vec2;
 use std::time::Instant;
 
@@ -61,7 +61,9 @@ pub fn largest_m(session: &Session, side: u32, size: (u32, u32)) -> u32 {
 /// Whether a host of this m and size is within the device's limits, and not too large to keep the machine usable.
 pub fn fits(session: &Session, m: u32, (width, height): (u32, u32)) -> bool {
     let descriptor = host::descriptor(m, session.request.textures, session.request.rays, session.request.gbuffer);
-    let memory = DeferredAa::requirements(&session.gpu.adapter, &descriptor).memory(width, height);
+    let full = Settings { technique: Technique::Full, ..Default::default() };
+    let requirements = DeferredAa::requirements(&session.gpu.adapter, &descriptor);
+    let memory = requirements.memory(width, height, &full, &Needs::default());
     let longest = u64::from(width.max(height)) * u64::from(m);
     longest <= u64::from(session.gpu.device.limits().max_texture_dimension_2d)
         && memory.gbuffer + memory.scratch <= MOST_BYTES
