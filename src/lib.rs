@@ -28,6 +28,9 @@
 //! 3. Each frame the host renders into the G-buffer, with fragment shaders that pack their output with
 //!    [`GBufferTier::pack_wgsl`], and calls [`DeferredAa::record`].
 //!
+//! Skies, transparent surfaces and gizmos are drawn over the image, with the depth that the node writes at the output's
+//! size ([`Needs::depth`]).
+//!
 //! An image too large for the memory or the device is rendered in bands ([`DeferredAa::resize_banded`]).
 //!
 //! While a host is being written, [`DeferredAa::check_input`] finds probable mistakes in its input. A frame graph
@@ -78,7 +81,7 @@ pub use host::graph::{
     Grid, LatticeShape, Lifetime, Part, PartInfo, PartKind, PassInfo, PassKind, Resource, ResourceSet, Rounds, Stage,
 };
 pub use host::intermediates::Intermediates;
-pub use host::needs::{CastingLight, MAX_CASTING_LIGHTS, Needs, ObjectImportance};
+pub use host::needs::{CastingLight, Depth, MAX_CASTING_LIGHTS, Needs, ObjectImportance};
 pub use host::plan::{Attribute, DecidedBy, PlanWord, Slots};
 pub use host::requirements::{Memory, Requirements};
 pub use host::shader::Shader;

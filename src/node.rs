@@ -23,7 +23,7 @@ use crate::host::check::{InputMistake, InputReport, encodes};
 use crate::host::descriptor::{Descriptor, Shading};
 use crate::host::error::{BuildError, LendError, RecordError, ShadingError, SizeError, TableError};
 use crate::host::frame::{Camera, Frame};
-use crate::host::gbuffer::{Channels, GBuffer, GBufferTier, Ids};
+use crate::host::gbuffer::{Channels, DEPTH_FORMAT, GBuffer, GBufferTier, Ids};
 use crate::host::graph::{Grid, Part, PartInfo, PassInfo, PassKind, Resource, Stage};
 use crate::host::intermediates::Intermediates;
 use crate::host::needs::{Needs, RayInputs};
@@ -33,6 +33,7 @@ use crate::host::shader::Shader;
 use crate::host::statistics::Statistics;
 use crate::host::table::{TableTexture, Tables, TextureTable, TextureTier};
 use crate::host::traced::Traced;
+use crate::passes::depth;
 use crate::passes::first::FIRST;
 use crate::rays::RayScene;
 use crate::settings::{Settings, Technique};
@@ -232,7 +233,7 @@ impl DeferredAa {
             return Err(SizeError::Samples { width, height, m, limit: MOST_SAMPLES });
         }
         let inputs = RayInputs::of(settings, needs);
-        let steps = techniques::steps(settings, inputs);
+        let steps = steps(settings, needs);
         let apron = techniques::of(settings.technique).apron(settings, inputs);
         let within = Within {
             limit,
@@ -308,7 +309,7 @@ impl DeferredAa {
         let Some(resources) = &self.resources else { return Vec::new() };
         let inputs = RayInputs::of(settings, needs);
         let shape = self.shape(resources.layout(), settings, inputs);
-        let steps = techniques::steps(settings, inputs);
+        let steps = steps(settings, needs);
         let passes = || steps.iter().map(|step| step.info(settings, inputs));
         let uses = |resource| passes().any(|pass| pass.reads.contains(resource) || pass.writes.contains(resource));
         let bound = used_parts(&steps);
@@ -426,7 +427,7 @@ impl DeferredAa {
     pub fn warm_up(&self, settings: &Settings, needs: &Needs<'_>) -> Result<(), RecordError> {
         settings.validate()?;
         let inputs = RayInputs::of(settings, needs);
-        self.pipelines.warm_up(&techniques::steps(settings, inputs), inputs)
+        self.pipelines.warm_up(&steps(settings, needs), inputs)
     }
 
     /// Whether the pipelines for frames with these settings and needs are compiled. Until then such a frame uses a
@@ -434,13 +435,13 @@ impl DeferredAa {
     /// for the compiler.
     pub fn is_ready(&self, settings: &Settings, needs: &Needs<'_>) -> bool {
         let inputs = RayInputs::of(settings, needs);
-        self.pipelines.ready(&techniques::steps(settings, inputs), inputs)
+        self.pipelines.ready(&steps(settings, needs), inputs)
     }
 
     /// The passes that a frame with these settings and needs records, in order.
     pub fn passes(settings: &Settings, needs: &Needs<'_>) -> impl Iterator<Item = Pass> + use<> {
         let inputs = RayInputs::of(settings, needs);
-        passes(settings, inputs, techniques::steps(settings, inputs))
+        passes(settings, inputs, steps(settings, needs))
     }
 
     /// The shaders of those passes, in order, for a host that does not use wgpu and translates and compiles them
@@ -448,7 +449,7 @@ impl DeferredAa {
     pub fn shaders(&self, settings: &Settings, needs: &Needs<'_>) -> Result<Vec<(PassInfo, Vec<Shader>)>, RecordError> {
         settings.validate()?;
         let inputs = RayInputs::of(settings, needs);
-        let all = passes(settings, inputs, techniques::steps(settings, inputs));
+        let all = passes(settings, inputs, steps(settings, needs));
         let shaders = |pass: Pass| {
             let shaders = self.build().shaders(&pass.step, pass.info.name, inputs)?;
             Ok((pass.info, shaders))
@@ -516,7 +517,7 @@ impl DeferredAa {
         uniform.results = shape.results.into();
         self.check_scene(frame, uniform.camera_position.into())?;
         let casting = self.casting(frame, inputs, uniform.camera_position.into())?;
-        let steps = techniques::steps(settings, inputs);
+        let steps = steps(settings, &frame.needs);
         self.prepare(frame, steps, &shape)?;
         let Self { buffers, resources, prepared, collector, pipelines, .. } = self;
         let resources = resources.as_ref().ok_or(RecordError::NoSize)?;
@@ -635,12 +636,7 @@ impl DeferredAa {
         {
             return Err(RecordError::Viewport { viewport, width, height, target_width, target_height });
         }
-        // The host chooses which mip level its view shows, so any texture with a level of the right size is accepted.
-        let mut levels = (0..target.mip_level_count()).map(|level| {
-            let size = target.size().mip_level_size(level, target.dimension());
-            (size.width, size.height)
-        });
-        if frame.viewport.is_none() && !levels.any(|level| level == (width, height)) {
+        if frame.viewport.is_none() && !has_level(target, band.image) {
             return Err(RecordError::TargetSize { target_width, target_height, width, height });
         }
         let node = self.build().target_format;
@@ -653,6 +649,8 @@ impl DeferredAa {
         if !target.usage().contains(wgpu::TextureUsages::RENDER_ATTACHMENT) {
             return Err(RecordError::TargetUsage);
         }
+        let whole = frame.viewport.map_or(band.image, |_| [target_width, target_height]);
+        check_depth(frame, whole)?;
         if self.build().host_layout.is_some() && frame.host_bind_group.is_none() {
             return Err(RecordError::HostBindGroup);
         }
@@ -662,7 +660,6 @@ impl DeferredAa {
         let image = frame.viewport.unwrap_or(Rect::of(band.image));
         let Rect { x, y, width, height } = band.output;
         let drawn = Rect { x: image.x + x, y: image.y + y, width, height };
-        let whole = frame.viewport.map_or(band.image, |_| [target_width, target_height]);
         Ok(([image.x, image.y], (drawn != Rect::of(whole)).then_some(drawn)))
     }
 
@@ -764,6 +761,44 @@ impl Begun {
     fn is_of(&self, frame: &Frame<'_>) -> bool {
         self.camera == frame.camera && self.settings == frame.settings && self.exposure == frame.exposure
     }
+}
+
+/// Whether a level of the texture has this size. The host chooses which one its view shows, which wgpu does not tell.
+fn has_level(texture: &wgpu::Texture, size: [u32; 2]) -> bool {
+    (0..texture.mip_level_count()).any(|level| {
+        let level = texture.size().mip_level_size(level, texture.dimension());
+        [level.width, level.height] == size
+    })
+}
+
+/// Checks the frame's depth view, which has the size of the target.
+fn check_depth(frame: &Frame<'_>, [width, height]: [u32; 2]) -> Result<(), RecordError> {
+    let depth = match (frame.needs.depth, frame.depth) {
+        (None, None) => return Ok(()),
+        (Some(_), Some(view)) => view.texture(),
+        (needed, _) => return Err(RecordError::Depth { needed: needed.is_some() }),
+    };
+    if !has_level(depth, [width, height]) {
+        let (depth_width, depth_height) = (depth.width(), depth.height());
+        return Err(RecordError::DepthSize { depth_width, depth_height, width, height });
+    }
+    if depth.format() != DEPTH_FORMAT {
+        return Err(RecordError::DepthFormat(depth.format()));
+    }
+    if depth.sample_count() != 1 {
+        return Err(RecordError::DepthSamples(depth.sample_count()));
+    }
+    if !depth.usage().contains(wgpu::TextureUsages::RENDER_ATTACHMENT) {
+        return Err(RecordError::DepthUsage);
+    }
+    Ok(())
+}
+
+/// The passes of a frame, in order.
+fn steps(settings: &Settings, needs: &Needs<'_>) -> Vec<Step> {
+    let mut steps = techniques::steps(settings, RayInputs::of(settings, needs));
+    steps.extend(needs.depth.map(|depth| Step::from(depth::of(depth))));
+    steps
 }
 
 /// The band of a frame, checked; the whole image if the node has no bands.

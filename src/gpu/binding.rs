@@ -7,7 +7,7 @@ use crate::gpu::uniforms::casting::CastingUniform;
 use crate::gpu::uniforms::frame::FrameUniform;
 use crate::gpu::uniforms::lattice::StepUniform;
 use crate::host::gbuffer::GBufferTier;
-use crate::host::graph::{Grid, Part, PassKind, Resource, ResourceSet, Rounds, Stage};
+use crate::host::graph::{Part, PassKind, Resource, ResourceSet, Rounds, Stage};
 use crate::host::needs::RayInputs;
 use crate::rays::RayTier;
 
@@ -201,14 +201,14 @@ impl PassData {
 
     /// The resources that it changes.
     pub fn writes(&self, inputs: RayInputs) -> ResourceSet {
-        let drawn = self.draws().then_some(Resource::Target);
+        let drawn = self.stages.iter().filter_map(|stage| stage.grid.drawn());
         let written = self.used(inputs).filter(|used| used.1 != Access::Read).map(|used| used.0);
         written.chain(drawn).collect()
     }
 
-    /// Whether it draws over the target.
+    /// Whether it draws a triangle.
     pub fn draws(&self) -> bool {
-        self.stages.iter().any(|stage| stage.grid == Grid::Target)
+        self.stages.iter().any(|stage| stage.grid.drawn().is_some())
     }
 }
 

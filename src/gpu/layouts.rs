@@ -181,7 +181,7 @@ fn faults(pass: &PassData, module: &naga::Module, tier: RayTier) -> Vec<String> 
     if reads_gbuffer != pass.gbuffer {
         faults.push(format!("it reads the G-buffer: {reads_gbuffer}"));
     }
-    if pass.draws() != pass.stages.iter().all(|stage| stage.grid == Grid::Target) {
+    if pass.draws() != pass.stages.iter().all(|stage| stage.grid.drawn().is_some()) {
         faults.push("it draws and computes".to_owned());
     }
     // `Recording` has room for two dynamic offsets.
@@ -534,7 +534,7 @@ fn workgroups_are_the_grids() {
                 // Lanes of a block of points may be counted along one side, or both.
                 Grid::Points(_) => &[flat, tile],
                 Grid::Pixels(_) | Grid::Samples | Grid::Parents | Grid::Cells => &[tile],
-                Grid::Target => unreachable!("drawn"),
+                Grid::Target | Grid::Depth => unreachable!("drawn"),
             };
             assert!(expected.contains(&entry.workgroup_size), "{}: {:?}", stage.entry, entry.workgroup_size);
             checked.insert(stage.entry);

@@ -5,8 +5,8 @@ use crate::gpu::binding::{self, PassData};
 use crate::gpu::modules::{self, Base, Tiers};
 use crate::gpu::step::Step;
 use crate::host::error::{PipelineError, RecordError};
-use crate::host::gbuffer::{GBufferTier, Ids};
-use crate::host::graph::{PassKind, Stage};
+use crate::host::gbuffer::{GBuffer, GBufferTier, Ids};
+use crate::host::graph::{Grid, PassKind, Stage};
 use crate::host::needs::RayInputs;
 use crate::host::shader::Shader;
 use crate::rays::RayTier;
@@ -219,7 +219,7 @@ impl Build {
         })
     }
 
-    /// Creates a pipeline that covers the target with one triangle.
+    /// Creates a pipeline that covers the target, or the depth texture, with one triangle.
     fn fullscreen(
         &self,
         stage: &Stage,
@@ -227,6 +227,11 @@ impl Build {
         module: &wgpu::ShaderModule,
         options: &wgpu::PipelineCompilationOptions<'_>,
     ) -> wgpu::RenderPipeline {
+        let depth = (stage.grid == Grid::Depth).then(|| wgpu::DepthStencilState {
+            depth_compare: Some(wgpu::CompareFunction::Always),
+            ..GBuffer::depth_state()
+        });
+        let color = [Some(self.target_format.into())];
         self.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some(stage.entry),
             layout: Some(layout),
@@ -237,14 +242,14 @@ impl Build {
                 buffers: &[],
             },
             primitive: wgpu::PrimitiveState::default(),
-            depth_stencil: None,
             multisample: wgpu::MultisampleState::default(),
             fragment: Some(wgpu::FragmentState {
                 module,
                 entry_point: Some(stage.entry),
                 compilation_options: options.clone(),
-                targets: &[Some(self.target_format.into())],
+                targets: if depth.is_some() { &[] } else { &color },
             }),
+            depth_stencil: depth,
             multiview_mask: None,
             cache: None,
         })

@@ -9,13 +9,13 @@ use crate::gpu::step::Pass;
 use crate::host::band::Rect;
 use crate::host::error::RecordError;
 use crate::host::frame::Frame;
-use crate::host::graph::{Part, Rounds, Stage};
+use crate::host::graph::{Part, Resource, Rounds, Stage};
 
 /// A frame that is being recorded. If it is dropped without [`finish`](Self::finish), it has no statistics.
 #[derive(Debug)]
 pub struct Recording<'a> {
     pub(crate) frame: &'a Frame<'a>,
-    /// The pixels of the target that are drawn, `None` for all of it.
+    /// The pixels of the target, and of the depth texture, that are drawn, `None` for all of it.
     pub(crate) drawn: Option<Rect>,
     pub(crate) resources: &'a SizedResources,
     pub(crate) buffers: &'a NodeBuffers,
@@ -53,7 +53,7 @@ pub(crate) enum Run {
     Direct(wgpu::ComputePipeline, [u32; 3]),
     /// With as many as stand in the buffer, at this offset in the first round.
     Indirect(wgpu::ComputePipeline, wgpu::Buffer, u64),
-    /// As a triangle that covers the target.
+    /// As a triangle that covers the target, or the depth texture.
     Draw(wgpu::RenderPipeline),
 }
 
@@ -153,19 +153,21 @@ impl Recording<'_> {
 
     fn draw(&self, encoder: &mut wgpu::CommandEncoder, own: &ReadyPass) {
         let timestamps = self.timestamps(own.pass);
+        let depth = self.frame.depth.filter(|_| own.pass.info.writes.contains(Resource::Depth));
+        let color = Some(wgpu::RenderPassColorAttachment {
+            view: self.frame.target,
+            depth_slice: None,
+            resolve_target: None,
+            ops: self.ops(wgpu::Color::TRANSPARENT),
+        });
         let mut render = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some(own.pass.info.name),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: self.frame.target,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations {
-                    // What lies around the image, or belongs to other bands, is kept.
-                    load: self.drawn.map_or(wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), |_| wgpu::LoadOp::Load),
-                    store: wgpu::StoreOp::Store,
-                },
-            })],
-            depth_stencil_attachment: None,
+            color_attachments: if depth.is_some() { &[] } else { std::slice::from_ref(&color) },
+            depth_stencil_attachment: depth.map(|view| wgpu::RenderPassDepthStencilAttachment {
+                view,
+                depth_ops: Some(self.ops(0.0)),
+                stencil_ops: None,
+            }),
             timestamp_writes: timestamps.map(|(query_set, begin, end)| wgpu::RenderPassTimestampWrites {
                 query_set,
                 beginning_of_pass_write_index: Some(begin),
@@ -185,6 +187,12 @@ impl Recording<'_> {
                 render.draw(0..3, 0..1);
             }
         }
+    }
+
+    /// How a pass writes an attachment. What lies around the image, or belongs to other bands, is kept.
+    fn ops<V>(&self, clear: V) -> wgpu::Operations<V> {
+        let load = if self.drawn.is_some() { wgpu::LoadOp::Load } else { wgpu::LoadOp::Clear(clear) };
+        wgpu::Operations { load, store: wgpu::StoreOp::Store }
     }
 
     /// Ends the frame, or the band. If [`Frame::statistics`] is set, `encoder` receives the copies of its counters.

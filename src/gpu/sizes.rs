@@ -217,6 +217,7 @@ impl Shape {
             Part::Tiles | Part::Shadows | Part::Reflections => None,
             Part::Counters => buffer(COUNTER_BYTES, wgpu::BufferUsages::COPY_SRC | cleared),
             Part::Target => texture(self.target_format, self.image, wgpu::TextureUsages::RENDER_ATTACHMENT),
+            Part::Depth => texture(DEPTH_FORMAT, self.image, wgpu::TextureUsages::RENDER_ATTACHMENT),
         }
     }
 
@@ -316,7 +317,7 @@ pub(crate) fn workgroups(
             let cells = |points: u32| if nested { points / 2 + 2 } else { points };
             lattice::points(size, image, own).map(|points| cells(points).div_ceil(TILE))
         }
-        Grid::Indirect { .. } | Grid::Target => return None,
+        Grid::Indirect { .. } | Grid::Target | Grid::Depth => return None,
     };
     Some([x, y, 1])
 }

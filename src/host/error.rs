@@ -320,6 +320,48 @@ pub enum RecordError {
     /// The target is multisampled.
     #[error("the target has {0} samples a pixel, the node writes one; render into a texture with sample_count = 1")]
     TargetSamples(u32),
+    /// Only one of [`Needs::depth`](crate::Needs::depth) and [`Frame::depth`](crate::Frame::depth) is set.
+    #[error(
+        "{}",
+        if *needed {
+            "Needs::depth asks for depth, but the frame has no view for it; set Frame::depth"
+        } else {
+            "Frame::depth has a view, but nothing is written to it; set Needs::depth to say which depth"
+        }
+    )]
+    Depth {
+        /// Whether `Needs::depth` is set, and the frame's view is missing.
+        needed: bool,
+    },
+    /// The depth texture has another size than the target, or than the node if the frame has no viewport.
+    #[error(
+        "the depth texture is {depth_width}×{depth_height}, the target {width}×{height}; \
+         create it with the target's size"
+    )]
+    DepthSize {
+        /// The width of the depth texture.
+        depth_width: u32,
+        /// The height of the depth texture.
+        depth_height: u32,
+        /// The width that it needs.
+        width: u32,
+        /// The height that it needs.
+        height: u32,
+    },
+    /// The depth texture has another format than [`DEPTH_FORMAT`](crate::gbuffer::DEPTH_FORMAT).
+    #[error(
+        "the depth texture is {0:?}, the node writes {format:?}; create it with gbuffer::DEPTH_FORMAT",
+        format = crate::gbuffer::DEPTH_FORMAT
+    )]
+    DepthFormat(wgpu::TextureFormat),
+    /// The depth texture is multisampled.
+    #[error(
+        "the depth texture has {0} samples a pixel, the node writes one; render into a texture with sample_count = 1"
+    )]
+    DepthSamples(u32),
+    /// The depth texture lacks `RENDER_ATTACHMENT`.
+    #[error("the depth texture can't be rendered to; create it with TextureUsages::RENDER_ATTACHMENT")]
+    DepthUsage,
     /// The node was built with a bind group layout, but the frame has no bind group.
     #[error("the host's WGSL was built with a bind group layout, the frame has no host_bind_group; set it")]
     HostBindGroup,

@@ -37,6 +37,11 @@ pub struct Frame<'a> {
     /// format of the descriptor and the usage `RENDER_ATTACHMENT`. The format of its texture may differ in sRGB, since a view may have another format than its
     /// texture and wgpu does not tell which.
     pub target: &'a wgpu::TextureView,
+    /// The view of the host's texture that depth is written to; required if [`Needs::depth`] asks for it, else `None`.
+    /// Its format is [`DEPTH_FORMAT`](crate::gbuffer::DEPTH_FORMAT), its usage `RENDER_ATTACHMENT`, and its size that of
+    /// the target. The same pixels as of the target are written, and what lies around them is kept, so that a render
+    /// pass may then have both as attachments. Depth is reversed: 1 is near, 0 is far and the sky.
+    pub depth: Option<&'a wgpu::TextureView>,
     /// The rectangle of the target that the image is written to, of the size of the node; the view shows the texture's
     /// largest mip level. What lies around it is kept. `None`: the target has the size of the node.
     pub viewport: Option<Rect>,
@@ -51,7 +56,7 @@ pub struct Frame<'a> {
 }
 
 impl<'a> Frame<'a> {
-    /// A frame with the default settings, exposure 1, and no host bind group, textures, needs or statistics.
+    /// A frame with the default settings, exposure 1, and no host bind group, textures, depth, needs or statistics.
     pub fn new(camera: Camera, target: &'a wgpu::TextureView) -> Self {
         Self {
             camera,
@@ -60,6 +65,7 @@ impl<'a> Frame<'a> {
             host_bind_group: None,
             textures: None,
             target,
+            depth: None,
             viewport: None,
             band: None,
             needs: Needs::default(),

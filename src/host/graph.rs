@@ -33,10 +33,12 @@ pub enum Resource {
     Statistics,
     /// The target of the frame.
     Target,
+    /// The depth texture of the frame.
+    Depth,
 }
 
 impl Resource {
-    const ALL: [Self; 13] = [
+    const ALL: [Self; 14] = [
         Self::GBuffer,
         Self::Host,
         Self::First,
@@ -50,6 +52,7 @@ impl Resource {
         Self::Color,
         Self::Statistics,
         Self::Target,
+        Self::Depth,
     ];
 
     /// Whether passes only add to it, so that the sums do not depend on their order. Two passes that write it may be
@@ -135,6 +138,8 @@ pub enum Part {
     Counters,
     /// The texture of [`Resource::Target`].
     Target,
+    /// The texture of [`Resource::Depth`].
+    Depth,
 }
 
 /// How long the content of a resource is needed.
@@ -201,7 +206,7 @@ pub struct PartInfo {
 }
 
 impl Part {
-    pub(crate) const ALL: [Self; 22] = [
+    pub(crate) const ALL: [Self; 23] = [
         Self::GBufferDepth,
         Self::GBufferSurface,
         Self::GBufferFrame,
@@ -224,6 +229,7 @@ impl Part {
         Self::Reflections,
         Self::Counters,
         Self::Target,
+        Self::Depth,
     ];
 
     /// The parts of the G-buffer, in the order of [`GBuffer::color`](crate::GBuffer::color), then depth.
@@ -250,14 +256,14 @@ impl Part {
             Self::Shadows | Self::Reflections => Resource::Traced,
             Self::Counters => Resource::Statistics,
             Self::Target => Resource::Target,
+            Self::Depth => Resource::Depth,
         }
     }
 
     pub(crate) fn lifetime(self) -> Lifetime {
         match self {
-            Self::GBufferDepth | Self::GBufferSurface | Self::GBufferFrame | Self::GBufferUv | Self::Target => {
-                Lifetime::Imported
-            }
+            Self::GBufferDepth | Self::GBufferSurface | Self::GBufferFrame | Self::GBufferUv => Lifetime::Imported,
+            Self::Target | Self::Depth => Lifetime::Imported,
             Self::Counters => Lifetime::Kept,
             Self::Tiles | Self::Shadows | Self::Reflections => Lifetime::Transient { from_begin: true },
             _ => Lifetime::Transient { from_begin: false },
@@ -266,7 +272,7 @@ impl Part {
 
     /// Whether a host may lend memory for the part.
     pub(crate) fn is_lendable(self) -> bool {
-        !matches!(self, Self::Counters | Self::Target)
+        !matches!(self, Self::Counters | Self::Target | Self::Depth)
     }
 }
 
@@ -311,6 +317,8 @@ pub enum PassKind {
     Resolve,
     /// Writes a debug view into the target.
     View,
+    /// Writes depth at the output's size.
+    Depth,
     /// Measures the error of the finished image in some tiles.
     Audit,
     /// Is a pass of the host's own. No node has one; it is for hosts that list their times beside the node's.
@@ -355,6 +363,19 @@ pub enum Grid {
     },
     /// No workgroups: a triangle that covers the target is drawn.
     Target,
+    /// No workgroups: a triangle that covers the host's depth texture is drawn, which writes depth and no colour.
+    Depth,
+}
+
+impl Grid {
+    /// The resource that a triangle is drawn over, `None` if workgroups are dispatched.
+    pub(crate) fn drawn(self) -> Option<Resource> {
+        match self {
+            Self::Target => Some(Resource::Target),
+            Self::Depth => Some(Resource::Depth),
+            _ => None,
+        }
+    }
 }
 
 impl fmt::Display for Grid {
@@ -372,6 +393,7 @@ impl fmt::Display for Grid {
             Self::Cells => f.write_str("⌈cells/8⌉ along either side of the lattice"),
             Self::Indirect { part, offset } => write!(f, "indirect, from {part:?} at byte {offset}"),
             Self::Target => f.write_str("a triangle over the target"),
+            Self::Depth => f.write_str("a triangle over the depth texture"),
         }
     }
 }

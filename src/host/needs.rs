@@ -1,4 +1,5 @@
-//! What a scene needs besides shading: rays, and the marks of materials and objects that `Selective` reads.
+//! What a scene needs besides shading: rays, the marks of materials and objects that `Selective` reads, and depth at
+//! the output's size.
 
 use crate::rays::RayScene;
 use crate::settings::{Effect, Settings};
@@ -23,6 +24,24 @@ pub struct Needs<'a> {
     /// The objects whose attributes count where [`Selective::focused`](crate::Selective::focused) is set, each at most
     /// once. All other objects have the importance 0.
     pub importance: &'a [ObjectImportance],
+    /// Which depth the frame also writes, into [`Frame::depth`](crate::Frame::depth), for what the host draws over the
+    /// image. `None`: no pass, and no cost.
+    pub depth: Option<Depth>,
+}
+
+/// Which of a window's samples gives the depth of its pixel at the output's size. Depth is that of the G-buffer: 1 is
+/// near, 0 is far and the sky. Depth that is not a number is written as 0, and other values are limited to 0 to 1.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Depth {
+    /// The nearest sample. What is drawn over the image keeps out of each pixel in which a sample hides it, and leaves
+    /// a rim one pixel wide around what is in front of it. For a sky that must not tint any surface.
+    Nearest,
+    /// The farthest sample. What is drawn over the image covers each pixel in which it hides a sample, so that nothing
+    /// shines through at the edges of what is in front of it. For transparent surfaces.
+    Farthest,
+    /// The first sample: that of rank 0. For gizmos, and for whatever reads a depth that lies on a surface as seen from
+    /// one point, such as fog or depth of field.
+    First,
 }
 
 /// How much the attributes of an object count.

@@ -11,7 +11,8 @@ pub struct Shader {
     pub pass: &'static str,
     /// The name of the entry point.
     pub entry: String,
-    /// The shader stage: compute, or vertex and fragment for a pass that draws a triangle over the target.
+    /// The shader stage: compute, or vertex and fragment for a pass that draws a triangle over the target or the
+    /// depth texture.
     pub stage: naga::ShaderStage,
     /// The whole WGSL module. It may also contain what other entry points need.
     pub source: String,

@@ -3,6 +3,7 @@
 
 pub(crate) mod audit;
 pub(crate) mod check;
+pub(crate) mod depth;
 pub(crate) mod first;
 pub(crate) mod lattice;
 pub(crate) mod list;
@@ -26,6 +27,9 @@ use crate::wgsl::chunk;
 pub(crate) static ALL: &[&PassData] = &[
     &audit::AUDIT,
     &check::CHECK,
+    &depth::NEAREST,
+    &depth::FARTHEST,
+    &depth::FIRST,
     &first::FIRST,
     &lattice::lattice_to_pixels::FINAL,
     &lattice::lattice_to_pixels::COUNTED,

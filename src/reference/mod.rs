@@ -5,6 +5,7 @@
 
 pub mod audit;
 pub mod check;
+pub mod depth;
 pub mod list;
 pub mod max_filter;
 pub mod metrics;

@@ -81,6 +81,7 @@ fn frame(target: &wgpu::TextureView, settings: Settings) -> Frame<'_> {
         host_bind_group: None,
         textures: None,
         target,
+        depth: None,
         viewport: None,
         band: None,
         needs: Needs::default(),

@@ -4,8 +4,10 @@
 mod api;
 mod bands;
 mod bits;
+mod blend;
 mod checker;
 mod debug_views;
+mod depth;
 mod example;
 mod goals;
 mod graph;

@@ -136,6 +136,7 @@ impl Textured {
             host_bind_group: None,
             textures: Some(&self.table),
             target: &self.target.create_view(&Default::default()),
+            depth: None,
             viewport: None,
             band: None,
             statistics: true,

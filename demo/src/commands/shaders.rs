@@ -6,7 +6,7 @@ use super::output::{say, write_json};
 use super::set::SettingsArgs;
 use crate::host;
 use crate::shaders::{self, Lang, Request};
-use deferred_aa::{GBufferTier, Ids, Shading, TextureTier};
+use deferred_aa::{Depth, GBufferTier, Ids, Shading, TextureTier};
 use std::path::{Path, PathBuf};
 
 /// See `deferred-aa-demo shaders --help`.
@@ -36,6 +36,10 @@ pub struct Shaders {
     /// What the G-buffer keeps of a sample: stored (its attributes) or visibility (its triangle).
     #[arg(long, default_value = "stored")]
     gbuffer: GBufferArg,
+    /// Which sample of a pixel's window gives the depth that the frames also write at the output's size, for what is
+    /// drawn over the image: nearest, farthest or first; no such pass if not given.
+    #[arg(long)]
+    depth: Option<DepthArg>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -43,6 +47,13 @@ enum TierArg {
     None,
     Arrays,
     Bindings,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum DepthArg {
+    Nearest,
+    Farthest,
+    First,
 }
 
 impl Shaders {
@@ -67,6 +78,11 @@ impl Shaders {
                 GBufferArg::Stored => GBufferTier::default(),
                 GBufferArg::Visibility => GBufferTier::Visibility(Ids::Wide),
             },
+            depth: self.depth.map(|depth| match depth {
+                DepthArg::Nearest => Depth::Nearest,
+                DepthArg::Farthest => Depth::Farthest,
+                DepthArg::First => Depth::First,
+            }),
             shading,
         };
         let export = shaders::export(&request)?;

@@ -22,6 +22,11 @@ fn raster(tier: TextureTier) -> naga::Module {
     parse(&source(tier, GBufferTier::default()))
 }
 
+/// What blended surfaces are drawn with.
+fn blend(tier: TextureTier) -> naga::Module {
+    parse(&crate::host::blend::source(tier))
+}
+
 const TIERS: [TextureTier; 2] = [TextureTier::Arrays, TextureTier::Bindings];
 
 #[test]
@@ -43,6 +48,7 @@ fn materials_are_the_shaders() {
     for tier in TIERS {
         assert_eq!(wgsl_layout(&shading(tier), "Material"), material);
         assert_eq!(wgsl_layout(&raster(tier), "Material"), material);
+        assert_eq!(wgsl_layout(&blend(tier), "Material"), material);
     }
 }
 
@@ -64,6 +70,7 @@ fn lights_are_the_shaders() {
     for tier in TIERS {
         assert_eq!(wgsl_layout(&shading(tier), "Light"), light);
         assert_eq!(wgsl_layout(&shading(tier), "Lighting"), lighting);
+        assert_eq!(wgsl_layout(&blend(tier), "Lighting"), lighting);
     }
 }
 
@@ -72,8 +79,10 @@ fn raster_buffers_are_the_shaders() {
     let view = rust_layout!(View { clip_from_relative, orthographic });
     let instance = rust_layout!(Instance { rows, material, object, handedness, padding });
     for tier in TIERS {
-        assert_eq!(wgsl_layout(&raster(tier), "View"), view);
-        assert_eq!(wgsl_layout(&raster(tier), "Instance"), instance);
+        for module in [raster(tier), blend(tier)] {
+            assert_eq!(wgsl_layout(&module, "View"), view);
+            assert_eq!(wgsl_layout(&module, "Instance"), instance);
+        }
     }
 }
 

@@ -1,5 +1,6 @@
 //! The demo as a host: a scene, a node and a target, frame by frame.
 
+pub mod blend;
 pub mod gpu;
 #[cfg(test)]
 mod layouts;
@@ -11,11 +12,12 @@ pub mod visible;
 
 use crate::picture::Picture;
 use crate::scene::{Camera, Material, Scene, Sun};
+use blend::Blend;
 use deferred_aa::rays::{RayError, RayTier};
 use deferred_aa::{
-    Band, BuildError, CastingLight, Channels, DebugView, DeferredAa, Descriptor, Effect, Frame, GBuffer, GBufferTier,
-    Ids, Needs, ObjectImportance, Pass, PlanWord, RecordError, Rect, Settings, Shading, SizeError, Statistics,
-    Technique, TextureTier,
+    Band, BuildError, CastingLight, Channels, DebugView, DeferredAa, Depth, Descriptor, Effect, Frame, GBuffer,
+    GBufferTier, Ids, Needs, ObjectImportance, Pass, PlanWord, RecordError, Rect, Settings, Shading, SizeError,
+    Statistics, Technique, TextureTier,
 };
 use glam::Vec3;
 use gpu::Gpu;
@@ -65,7 +67,7 @@ pub struct Host {
     pub gpu: Gpu,
     /// The node.
     pub aa: DeferredAa,
-    /// The scene as it was loaded.
+    /// The scene as it was loaded, but that blended instances come last.
     pub scene: Scene,
     /// The scene on the GPU.
     pub uploaded: GpuScene,
@@ -84,6 +86,8 @@ pub struct Host {
     /// The scene for rays, there from the first frame that traces.
     pub rays: Option<Rays>,
     raster: Raster,
+    /// What is drawn over the image, if the scene has any of it.
+    blend: Option<Blend>,
     host_bind_group: wgpu::BindGroup,
     lighting: wgpu::Buffer,
     lighting_values: Lighting,
@@ -198,7 +202,8 @@ pub fn descriptor(m: u32, textures: TextureTier, rays: RayTier, gbuffer: GBuffer
 fn host_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     let buffer = |binding, ty| wgpu::BindGroupLayoutEntry {
         binding,
-        visibility: wgpu::ShaderStages::COMPUTE,
+        // The fragments of blended surfaces are lit by the same functions.
+        visibility: wgpu::ShaderStages::COMPUTE | wgpu::ShaderStages::FRAGMENT,
         ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None },
         count: None,
     };
@@ -255,7 +260,10 @@ impl Host {
     }
 
     /// [`new`](Self::new) for frames in bands, so that the node holds at most so many bytes.
-    pub fn within(gpu: Gpu, scene: Scene, options: Options, memory: Option<u64>) -> Result<Self, HostError> {
+    pub fn within(gpu: Gpu, mut scene: Scene, options: Options, memory: Option<u64>) -> Result<Self, HostError> {
+        // Rays don't meet blended instances, and the others have the same numbers with and without them.
+        let Scene { meshes, materials, instances, .. } = &mut scene;
+        instances.sort_by_key(|i| materials[meshes[i.mesh].material].blended);
         let device = &gpu.device;
         let layout = host_layout(device);
         let mut aa = DeferredAa::new(device, &options.descriptor(), Some(&layout))?;
@@ -264,6 +272,8 @@ impl Host {
         }
         let uploaded = GpuScene::new(device, &gpu.queue, &aa, &scene, options.anisotropy)?;
         let raster = Raster::new(device, &aa, options.textures, &scene, &uploaded);
+        let size = (options.width, options.height);
+        let blend = Blend::new(device, &aa, options.textures, &scene, &layout, size)?;
         let lighting = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("lighting"),
             size: size_of::<Lighting>() as u64,
@@ -304,6 +314,7 @@ impl Host {
             peak: 0,
             rays: None,
             raster,
+            blend,
             host_bind_group,
             lighting,
             lighting_values: values,
@@ -356,7 +367,8 @@ impl Host {
     pub fn bands(&mut self, settings: &Settings) -> Result<Vec<Option<Band>>, HostError> {
         let Some(limit) = self.memory else { return Ok(vec![None]) };
         let shadows = self.casting(settings.shadows);
-        let needs = Needs { shadows: &shadows, reflective: &self.reflective, ..Default::default() };
+        let depth = self.depth(settings);
+        let needs = Needs { shadows: &shadows, reflective: &self.reflective, depth, ..Default::default() };
         let size = (self.options.width, self.options.height);
         let bands = self.aa.resize_banded(&self.gpu.device, size, limit, settings, &needs)?;
         Ok(bands.into_iter().map(Some).collect())
@@ -445,6 +457,8 @@ impl Host {
             rays.update(&self.gpu.device, &self.gpu.queue, &mut encoder, camera.world_from_view.w_axis.truncate())?;
         }
         let rays = self.rays.as_ref().filter(|_| traces || visible).map(|r| &r.scene);
+        let depth = self.depth(&settings);
+        let blend = self.blend.as_ref().filter(|_| depth.is_some());
         let frame = Frame {
             needs: Needs {
                 rays,
@@ -452,6 +466,7 @@ impl Host {
                 reflective: &self.reflective,
                 textured: &self.textured,
                 importance: &self.importance,
+                depth,
             },
             camera,
             settings,
@@ -459,11 +474,17 @@ impl Host {
             host_bind_group: Some(&self.host_bind_group),
             textures: Some(&self.uploaded.table),
             target: &self.target_view,
+            depth: blend.map(Blend::depth),
             viewport: None,
             band,
             statistics: true,
         };
         record(&mut self.aa, &self.gpu.queue, &mut encoder, &frame)?;
+        if let Some(blend) = blend.filter(|_| band.is_none_or(|band| band.index + 1 == band.count)) {
+            let scene = (&self.scene, &self.uploaded);
+            let into = (&self.host_bind_group, &self.target_view);
+            blend.record(&self.gpu.queue, &mut encoder, scene, &camera, into);
+        }
         self.gpu.queue.submit([encoder.finish()]);
         self.gpu.wait();
         self.complaints()
@@ -472,14 +493,25 @@ impl Host {
     /// Whether the pipelines of a frame with these settings are compiled.
     pub fn is_ready(&self, settings: Settings) -> bool {
         let shadows = self.casting(settings.shadows);
-        self.aa.is_ready(&settings, &Needs { shadows: &shadows, reflective: &self.reflective, ..Default::default() })
+        self.aa.is_ready(&settings, &self.needs(&settings, &shadows))
+    }
+
+    /// What decides the passes of a frame.
+    fn needs<'a>(&'a self, settings: &Settings, shadows: &'a [CastingLight]) -> Needs<'a> {
+        let depth = self.depth(settings);
+        Needs { shadows, reflective: &self.reflective, depth, ..Default::default() }
+    }
+
+    /// The depth that a frame also writes. Views of something else than the image are not drawn over.
+    fn depth(&self, settings: &Settings) -> Option<Depth> {
+        let blends = self.blend.is_some() && settings.view == DebugView::Image;
+        blends.then_some(blend::DEPTH)
     }
 
     /// The passes of a frame with these settings.
     pub fn passes(&self, settings: &Settings) -> Vec<Pass> {
         let shadows = self.casting(settings.shadows);
-        let needs = Needs { shadows: &shadows, reflective: &self.reflective, ..Default::default() };
-        DeferredAa::passes(settings, &needs).collect()
+        DeferredAa::passes(settings, &self.needs(settings, &shadows)).collect()
     }
 
     /// The lights that cast shadows in a frame: those of the scene that do, and the sun if it does or is asked to.
@@ -497,6 +529,9 @@ impl Host {
             self.aa.resize(&self.gpu.device, width, height)?;
         }
         (self.target, self.target_view) = target(&self.gpu.device, width, height);
+        if let Some(blend) = &mut self.blend {
+            blend.resize(&self.gpu.device, width, height);
+        }
         (self.options.width, self.options.height) = (width, height);
         self.complaints()
     }

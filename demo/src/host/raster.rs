@@ -6,6 +6,9 @@ use deferred_aa::{DeferredAa, GBuffer, GBufferTier, TextureTier};
 use glam::camera::rh::{proj::directx, view::look_at_mat4};
 use glam::{DMat4, DVec3, Mat4, Vec2, Vec3, Vec4};
 
+/// The WGSL that places the vertices of instances.
+pub(crate) const VERTICES_WGSL: &str = include_str!("vertices.wgsl");
+
 /// Pipelines and per-frame buffers.
 #[derive(Debug)]
 pub struct Raster {
@@ -30,6 +33,19 @@ struct Draw {
 pub(crate) struct View {
     pub(crate) clip_from_relative: [[f32; 4]; 4],
     pub(crate) orthographic: [f32; 4],
+}
+
+impl View {
+    pub(crate) fn of(camera: &deferred_aa::Camera) -> Self {
+        let mut rotation = camera.world_from_view;
+        rotation.w_axis = Vec4::W;
+        let back = camera.world_from_view.z_axis.truncate();
+        let orthographic = f32::from(u8::from(camera.clip_from_view.row(3) == Vec4::W));
+        Self {
+            clip_from_relative: (camera.clip_from_view * rotation.transpose()).to_cols_array_2d(),
+            orthographic: back.extend(orthographic).to_array(),
+        }
+    }
 }
 
 #[repr(C)]
@@ -155,6 +171,7 @@ impl Raster {
         };
         let mut draws: Vec<_> = (0..)
             .zip(&scene.instances)
+            .filter(|(_, i)| !scene.is_blended(i))
             .map(|(index, i)| {
                 let material = &scene.materials[scene.meshes[i.mesh].material];
                 let key = usize::from(material.alpha_cutoff.is_some())
@@ -222,18 +239,8 @@ impl Raster {
         camera: &deferred_aa::Camera,
         (target, viewport): (&GBuffer, Option<[f32; 4]>),
     ) {
-        let eye = camera.world_from_view.w_axis.truncate().as_dvec3();
-        let mut rotation = camera.world_from_view;
-        rotation.w_axis = Vec4::W;
-        let back = camera.world_from_view.z_axis.truncate();
-        let orthographic = f32::from(u8::from(camera.clip_from_view.row(3) == Vec4::W));
-        let view = View {
-            clip_from_relative: (camera.clip_from_view * rotation.transpose()).to_cols_array_2d(),
-            orthographic: back.extend(orthographic).to_array(),
-        };
-        queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&view));
-        let instances: Vec<_> = scene.instances.iter().map(|i| instance(scene, i, eye)).collect();
-        queue.write_buffer(&self.instances, 0, bytemuck::cast_slice(&instances));
+        queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&View::of(camera)));
+        queue.write_buffer(&self.instances, 0, bytemuck::cast_slice(&instances(scene, camera)));
 
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("gbuffer"),
@@ -286,7 +293,14 @@ pub(crate) fn source(textures: TextureTier, tier: GBufferTier) -> String {
         GBufferTier::Visibility(_) => ("enable primitive_index;", include_str!("raster_ids.wgsl")),
     };
     let pack = tier.pack_wgsl();
-    [enable, directives, &pack, table, include_str!("material.wgsl"), include_str!("raster.wgsl"), own].join("\n")
+    let (material, raster) = (include_str!("material.wgsl"), include_str!("raster.wgsl"));
+    [enable, directives, &pack, table, material, VERTICES_WGSL, raster, own].join("\n")
+}
+
+/// The instances of a scene before a camera.
+pub(crate) fn instances(scene: &Scene, camera: &deferred_aa::Camera) -> Vec<Instance> {
+    let eye = camera.world_from_view.w_axis.truncate().as_dvec3();
+    scene.instances.iter().map(|i| instance(scene, i, eye)).collect()
 }
 
 /// Camera-relative in f64, so that a scene far from the origin keeps its digits.

@@ -1,17 +1,13 @@
-// The fragments of a stored G-buffer. Joined with the packing, the texture table, material.wgsl and raster.wgsl.
+// The fragments of a stored G-buffer. Joined with the packing, the texture table, material.wgsl, vertices.wgsl
+// and raster.wgsl.
 
 fn fragment(v: Varying, front: bool, ddx: vec2f, ddy: vec2f, across: vec3f, down: vec3f) -> DaaGBuffer {
     let instance = instances[v.instance];
-    // Towards the eye, whichever way the triangle winds.
-    let towards = select(-v.relative, view.orthographic.xyz, view.orthographic.w != 0.0);
-    let plane = cross(across, down);
-    let side = select(-1.0, 1.0, front);
-    let normal = v.normal * side;
-    let seen = select(plane, -plane, dot(plane, towards) < 0.0);
+    let own = facing(v, front, across, down);
     var f: DaaFragment;
-    f.normal = select(vec3f(0.0, 1.0, 0.0), normal, dot(normal, normal) > 1e-12);
-    f.geometric_normal = select(f.normal, seen, dot(plane, plane) > 1e-36);
-    f.tangent = vec4f(v.tangent.xyz, v.tangent.w * side);
+    f.normal = own.normal;
+    f.geometric_normal = own.geometric_normal;
+    f.tangent = own.tangent;
     f.uv = v.uv;
     f.ddx = ddx;
     f.ddy = ddy;

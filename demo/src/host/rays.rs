@@ -24,7 +24,8 @@ pub struct Rays {
 }
 
 impl Rays {
-    /// Builds the bottom levels on all cores and uploads them, for rays on a tier, for a visibility buffer, or both.
+    /// Builds the bottom levels on all cores and uploads them, for rays on a tier, for a visibility buffer, or both. No
+    /// ray meets the blended instances, which come last in the scene.
     pub fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -43,7 +44,8 @@ impl Rays {
         let meshes: Vec<MeshId> =
             built.iter().map(|mesh| on_gpu.add(device, queue, &mut encoder, mesh)).collect::<Result<_, _>>()?;
         let mut notices = Vec::new();
-        let mut instances: Vec<_> = scene.instances.iter().map(|i| instance(scene, &meshes, i)).collect();
+        let seen = scene.instances.iter().filter(|i| !scene.is_blended(i));
+        let mut instances: Vec<_> = seen.map(|i| instance(scene, &meshes, i)).collect();
         // What is flattened is drawn, but no ray meets it.
         while let Err(error) = on_gpu.update(device, queue, &mut encoder, &instances, Vec3::ZERO) {
             let RayError::Transform { instance, .. } = error else { return Err(error) };

@@ -38,7 +38,8 @@ pub struct Scene {
     pub sky: Sky,
     /// The scene's own views, in the file's order.
     pub cameras: Vec<Camera>,
-    /// What was ignored, replaced or repaired, one readable line each (e.g. "material 3 'glass': BLEND drawn as MASK").
+    /// What was ignored, replaced or repaired, one readable line each (e.g. "material 3 'glass': unknown alpha mode drawn
+    /// as OPAQUE").
     pub notices: Vec<String>,
 }
 
@@ -74,6 +75,13 @@ pub struct Instance {
     pub object: u16,
 }
 
+impl Scene {
+    /// Whether an instance is drawn over the image.
+    pub fn is_blended(&self, instance: &Instance) -> bool {
+        self.materials[self.meshes[instance.mesh].material].blended
+    }
+}
+
 /// glTF metallic-roughness.
 #[derive(Debug, Clone)]
 pub struct Material {
@@ -93,6 +101,8 @@ pub struct Material {
     pub occlusion_strength: f32,
     /// Fragments below are discarded. `None`: opaque.
     pub alpha_cutoff: Option<f32>,
+    /// Drawn over the image, mixed with what lies behind by alpha; `alpha_cutoff` is `None` then.
+    pub blended: bool,
     /// Back faces are drawn, with the normal flipped.
     pub double_sided: bool,
     /// KHR_materials_unlit: the base colour is the radiance.

@@ -112,7 +112,7 @@ fn collect(request: &Request<'_>) -> Result<Vec<Shaders>, ShadersError> {
     let gpu = Gpu::drawing_nothing(&descriptor)?;
     let layout = host::layout(&gpu.device, request.shading, request.textures).map_err(BuildError::from)?;
     let aa = DeferredAa::new(&gpu.device, &descriptor, layout.as_ref())?;
-    let passes = aa.shaders(request.settings, &Needs::default())?;
+    let passes = aa.shaders(request.settings, &Needs { depth: request.depth, ..Default::default() })?;
     Ok(passes.into_iter().map(|(info, shaders)| (Some(info), shaders)).collect())
 }
 

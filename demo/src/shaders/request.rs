@@ -2,7 +2,7 @@
 
 use super::lang::Lang;
 use deferred_aa::rays::RayTier;
-use deferred_aa::{GBufferTier, Settings, Shading, TextureTier};
+use deferred_aa::{Depth, GBufferTier, Settings, Shading, TextureTier};
 
 /// What to write.
 #[derive(Debug, Clone, Copy)]
@@ -19,6 +19,8 @@ pub struct Request<'a> {
     pub rays: RayTier,
     /// How the G-buffer keeps its samples.
     pub gbuffer: GBufferTier,
+    /// Which depth the frames write at the output's size, if any.
+    pub depth: Option<Depth>,
     /// The host's WGSL.
     pub shading: Shading<'a>,
 }

@@ -241,7 +241,7 @@ fn entry(request: &Request<'_>, one: &Resolved<'_>, entry: String, slots: &Slots
 fn workgroups(info: &PassInfo, entry: &str, m: u32) -> Option<String> {
     let grid = info.stages.iter().find(|stage| stage.entry == entry)?.grid;
     let at_1080p = info.workgroups(grid, [1920, 1080], m).map(|[x, y, _]| format!(" ({x} × {y} at 1920 × 1080)"));
-    (grid != Grid::Target).then(|| format!("{grid}{}", at_1080p.unwrap_or_default()))
+    (!matches!(grid, Grid::Target | Grid::Depth)).then(|| format!("{grid}{}", at_1080p.unwrap_or_default()))
 }
 
 /// A type as WGSL has it.

@@ -3,7 +3,7 @@ use super::table::Binding;
 use super::*;
 use crate::host::SHADING_WGSL;
 use deferred_aa::rays::RayTier;
-use deferred_aa::{Effect, Execution, GBufferTier, Settings, Shading, Technique};
+use deferred_aa::{Depth, Effect, Execution, GBufferTier, Settings, Shading, Technique};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
@@ -13,7 +13,16 @@ const LANGS: [Lang; 5] = [Lang::Hlsl, Lang::Msl, Lang::Spirv, Lang::Glsl, Lang::
 
 fn demo<'a>(lang: Lang, settings: &'a Settings, textures: TextureTier, rays: RayTier) -> Request<'a> {
     let shading = Shading { source: SHADING_WGSL, file: "demo/src/host/shading.wgsl" };
-    Request { lang, m: 3, settings, textures, rays, gbuffer: GBufferTier::default(), shading }
+    Request {
+        lang,
+        m: 3,
+        settings,
+        textures,
+        rays,
+        gbuffer: GBufferTier::default(),
+        depth: Some(Depth::Farthest),
+        shading,
+    }
 }
 
 /// Frames of all techniques and executions, with rays and without.
@@ -168,7 +177,8 @@ fn the_table_is_true_of_the_files() {
                 places.dedup();
                 assert!(lang == Lang::Glsl || places.len() == count, "{}: {places:?}", shader.file);
             }
-            let names: Vec<_> = DeferredAa::passes(&settings, &Needs::default()).map(|pass| pass.info.name).collect();
+            let needs = Needs { depth: Some(Depth::Farthest), ..Default::default() };
+            let names: Vec<_> = DeferredAa::passes(&settings, &needs).map(|pass| pass.info.name).collect();
             assert_eq!(table.passes[1..].iter().map(|pass| pass.name).collect::<Vec<_>>(), names);
             assert!(table.passes.iter().all(|pass| !pass.shaders.is_empty()));
             let text = table.markdown();

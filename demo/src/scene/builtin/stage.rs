@@ -119,6 +119,7 @@ pub(super) fn matt(name: &str) -> Material {
         normal_scale: 1.0,
         occlusion_strength: 1.0,
         alpha_cutoff: None,
+        blended: false,
         double_sided: false,
         unlit: false,
         transmission: 0.0,

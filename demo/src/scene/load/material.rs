@@ -144,16 +144,18 @@ impl<'a> MaterialTable<'a> {
         if optics.is_some_and(|t| t.transmission_texture.is_some()) {
             self.notice(format!("{place}: transmission texture ignored, its factor is taken"));
         }
-        let alpha_cutoff = match material.alpha_mode {
-            Checked::Valid(AlphaMode::Opaque) => None,
-            Checked::Valid(AlphaMode::Mask) => Some(cutoff),
-            Checked::Valid(AlphaMode::Blend) => {
-                self.notice(format!("{place}: BLEND drawn as MASK"));
-                Some(0.5)
+        let (alpha_cutoff, blended) = match material.alpha_mode {
+            Checked::Valid(AlphaMode::Opaque) => (None, false),
+            Checked::Valid(AlphaMode::Mask) => (Some(cutoff), false),
+            // What is blended is no part of the scene that rays are traced in.
+            Checked::Valid(AlphaMode::Blend) if transmission > 0.0 => {
+                self.notice(format!("{place}: BLEND drawn as MASK, so that rays pass through it"));
+                (Some(0.5), false)
             }
+            Checked::Valid(AlphaMode::Blend) => (None, true),
             Checked::Invalid => {
                 self.notice(format!("{place}: unknown alpha mode drawn as OPAQUE"));
-                None
+                (None, false)
             }
         };
         let converted = Material {
@@ -165,6 +167,7 @@ impl<'a> MaterialTable<'a> {
             normal_scale,
             occlusion_strength,
             alpha_cutoff,
+            blended,
             double_sided: material.double_sided,
             unlit: extensions.is_some_and(|e| e.unlit.is_some()),
             transmission,

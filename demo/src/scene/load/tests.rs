@@ -497,16 +497,18 @@ fn material_factors() {
 
 #[test]
 fn alpha_modes() {
-    for (material, cutoff, notices) in [
-        (json!({ "alphaMode": "OPAQUE", "alphaCutoff": 0.3 }), None, 0),
-        (json!({ "alphaMode": "MASK" }), Some(0.5), 0),
-        (json!({ "alphaMode": "MASK", "alphaCutoff": 0.3 }), Some(0.3), 0),
-        (json!({ "alphaMode": "BLEND" }), Some(0.5), 1),
+    let glass = json!({ "KHR_materials_transmission": { "transmissionFactor": 0.5 } });
+    for (material, cutoff, blended, notices) in [
+        (json!({ "alphaMode": "OPAQUE", "alphaCutoff": 0.3 }), None, false, 0),
+        (json!({ "alphaMode": "MASK" }), Some(0.5), false, 0),
+        (json!({ "alphaMode": "MASK", "alphaCutoff": 0.3 }), Some(0.3), false, 0),
+        (json!({ "alphaMode": "BLEND", "alphaCutoff": 0.3 }), None, true, 0),
+        (json!({ "alphaMode": "BLEND", "extensions": glass }), Some(0.5), false, 1),
     ] {
         let mut model = Model::triangle();
         model.material(material.clone());
         let scene = model.scene();
-        assert_eq!(scene.materials[0].alpha_cutoff, cutoff, "{material}");
+        assert_eq!((scene.materials[0].alpha_cutoff, scene.materials[0].blended), (cutoff, blended), "{material}");
         assert_eq!(scene.notices.len(), notices, "{material}");
     }
 }
