@@ -247,7 +247,7 @@ fn assert_stats(stats: &Value, technique: &str) {
     // Its lamp casts shadows; nothing in it mirrors.
     let shadow = place("rays.shadow").as_u64().unwrap();
     assert!(shadow > 0 && shadow <= shaded, "{shadow}");
-    for kind in ["reflection", "refraction", "primary"] {
+    for kind in ["reflection", "refraction", "without_room", "primary"] {
         assert_eq!(place("rays")[kind], 0, "{kind}");
     }
     assert!(place("memory_bytes.rays").as_u64().unwrap() > 0);

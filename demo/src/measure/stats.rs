@@ -73,6 +73,8 @@ pub struct Rays {
     pub reflection: u64,
     /// Refracted rays.
     pub refraction: u64,
+    /// Planned samples for whose results there was no room: `Statistics::without_rays`.
+    pub without_room: u64,
     primary: u64,
 }
 
@@ -164,6 +166,7 @@ impl Stats {
                 shadow: u64::from(s.shadow_rays),
                 reflection: u64::from(s.reflection_rays),
                 refraction: u64::from(s.refraction_rays),
+                without_room: u64::from(s.without_rays),
                 primary: 0,
             },
             tiles: s.tiles,
