@@ -50,19 +50,16 @@ struct DaaCasting {
 const DAA_TILES_SURFACE: u32 = 0u;
 const DAA_TILES_REFLECT: u32 = 1u;
 
-/// The samples of a lane: of a pixel, the ranks from `first` up to, but without, `end`, restricted to some quadrants.
-/// With DAA_SAMPLES_POINTS, `pixel` is the workgroup's position, and each 64th of its chosen points takes the place of
-/// a rank.
+/// The samples of a lane: of a pixel, the ranks from `first` up to, but without, `end`. Planned samples are dealt to the
+/// lanes in turn, since a few pixels have many: with DAA_SAMPLES_PLANNED, `pixel` is the tile, and each 64th of its
+/// planned samples takes the place of a rank. With DAA_SAMPLES_POINTS, `pixel` is the workgroup's position, and it is each
+/// 64th of its chosen points.
 struct DaaRanks {
     pixel: vec2u,
     first: u32,
     end: u32,
     step: u32,
-    quadrants: u32,
 }
-
-/// The value of `quadrants` without a restriction.
-const DAA_ALL_QUADRANTS: u32 = 0xffu;
 
 /// A sample, and whether it casts rays: those without room for results of their own do not.
 struct DaaCaster {
@@ -83,14 +80,34 @@ fn daa_caster(ranks: DaaRanks, i: u32) -> DaaCaster {
         let found = daa_point_index(l, at) + daa_casting.step.found;
         return DaaCaster(point.pixel, point.rank, true, point.inside, found);
     }
-    let chosen = ranks.quadrants == DAA_ALL_QUADRANTS || (daa_quadrants(i) & ranks.quadrants) != 0u;
-    return DaaCaster(ranks.pixel, i, chosen && daa_has_results(ranks.pixel, i), true, 0u);
+    if daa_casting.samples == DAA_SAMPLES_PLANNED {
+        let planned = daa_planned_sample(ranks.pixel, i);
+        let pixel = daa_tile_pixel(ranks.pixel, planned.x);
+        return DaaCaster(pixel, planned.y, daa_has_results(pixel, planned.y), true, 0u);
+    }
+    return DaaCaster(ranks.pixel, i, true, true, 0u);
+}
+
+/// The place in the tile, and the rank, of its i-th planned sample beyond first ones.
+fn daa_planned_sample(tile: vec2u, i: u32) -> vec2u {
+    let first_slot = daa_tile_index(tile) * 64u;
+    // The last window whose samples begin at or before this one.
+    var place = 0u;
+    for (var stride = 32u; stride > 0u; stride >>= 1u) {
+        place += select(0u, stride, daa_plan_before(daa_plan[first_slot + place + stride]) <= i);
+    }
+    let word = daa_plan[first_slot + place];
+    let in_window = i - daa_plan_before(word);
+    if daa_flag(DAA_FLAG_SELECTIVE) {
+        return vec2u(place, daa_nth_rank(daa_ranks_of(daa_plan_quadrants(word)), in_window));
+    }
+    return vec2u(place, in_window + 1u);
 }
 
 /// The samples of a lane. There are none outside the image, or beyond the end of the list of tiles of this kind.
 fn daa_ranks(group: vec2u, lane: u32, kind: u32) -> DaaRanks {
     if daa_casting.samples == DAA_SAMPLES_POINTS {
-        return DaaRanks(group, lane, daa_choose_points(daa_casting.step, group, lane), 64u, 0u);
+        return DaaRanks(group, lane, daa_choose_points(daa_casting.step, group, lane), 64u);
     }
     var tile = group;
     if daa_casting.samples == DAA_SAMPLES_AUDITED {
@@ -98,33 +115,28 @@ fn daa_ranks(group: vec2u, lane: u32, kind: u32) -> DaaRanks {
     } else {
         let place = group.y * daa_tile_lists[kind * 4u + 1u] + group.x;
         if place >= daa_tile_lists[kind * 4u] {
-            return DaaRanks(vec2u(0u), 0u, 0u, 1u, 0u);
+            return DaaRanks(vec2u(0u), 0u, 0u, 1u);
         }
         let listed = daa_tile_lists[8u + kind * daa_tile_count() + place];
         tile = vec2u(listed % daa_frame.tiles_x, listed / daa_frame.tiles_x);
+    }
+    if daa_casting.samples == DAA_SAMPLES_PLANNED {
+        let last = daa_plan[daa_tile_index(tile) * 64u + 63u];
+        return DaaRanks(tile, lane, daa_plan_before(last) + max(daa_plan_k(last), 1u) - 1u, 64u);
     }
     let pixel = daa_tile_pixel(tile, lane);
     // Neighbours read the first samples of pixels that are not shown.
     let first_alone = daa_casting.samples == DAA_SAMPLES_FIRST;
     if any(pixel >= daa_frame.size) || (!first_alone && !daa_is_shown(pixel)) {
-        return DaaRanks(pixel, 0u, 0u, 1u, 0u);
+        return DaaRanks(pixel, 0u, 0u, 1u);
     }
     let n = DAA_M * DAA_M;
-    let word = daa_plan[daa_tile_index(tile.xy) * 64u + lane];
-    let k = daa_plan_k(word);
-    let all = DAA_ALL_QUADRANTS;
     switch daa_casting.samples {
-        case DAA_SAMPLES_FIRST: { return DaaRanks(pixel, 0u, 1u, 1u, all); }
-        case DAA_SAMPLES_FULL: { return DaaRanks(pixel, 0u, n, 1u, all); }
-        case DAA_SAMPLES_PLANNED: {
-            if daa_flag(DAA_FLAG_SELECTIVE) {
-                return DaaRanks(pixel, 1u, select(n, 1u, k < 2u), 1u, daa_plan_quadrants(word));
-            }
-            return DaaRanks(pixel, 1u, k, 1u, all);
-        }
+        case DAA_SAMPLES_FIRST: { return DaaRanks(pixel, 0u, 1u, 1u); }
+        case DAA_SAMPLES_FULL: { return DaaRanks(pixel, 0u, n, 1u); }
         // The samples that were not planned.
-        case DAA_SAMPLES_AUDITED: { return DaaRanks(pixel, k, n, 1u, all); }
-        default: { return DaaRanks(pixel, 1u, daa_frame.reconstruct.samples, 1u, all); }
+        case DAA_SAMPLES_AUDITED: { return DaaRanks(pixel, daa_plan_k(daa_plan[daa_slot(pixel)]), n, 1u); }
+        default: { return DaaRanks(pixel, 1u, daa_frame.reconstruct.samples, 1u); }
     }
 }
 

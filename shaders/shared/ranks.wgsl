@@ -19,6 +19,23 @@ fn daa_rank_count_below(ranks: vec2u, rank: u32) -> u32 {
     return select(countOneBits(ranks.x) + countOneBits(ranks.y & below), countOneBits(ranks.x & below), rank < 32u);
 }
 
+/// The rank in the set that has n others below it.
+fn daa_nth_rank(ranks: vec2u, n: u32) -> u32 {
+    let in_low = countOneBits(ranks.x);
+    let high = n >= in_low;
+    let bits = select(ranks.x, ranks.y, high);
+    var left = select(n, n - in_low, high);
+    var bit = 0u;
+    for (var half = 16u; half > 0u; half >>= 1u) {
+        let lower = countOneBits((bits >> bit) & ((1u << half) - 1u));
+        if left >= lower {
+            left -= lower;
+            bit += half;
+        }
+    }
+    return bit + select(0u, 32u, high);
+}
+
 fn daa_least(ranks: vec2u) -> u32 {
     return select(firstTrailingBit(ranks.x), firstTrailingBit(ranks.y) + 32u, ranks.x == 0u);
 }
