@@ -20,8 +20,13 @@ fn daa_depth_step(a: f32, b: f32, c: f32, d: f32) -> f32 {
     return select(0.0, step / nearer, nearer > 0.0);
 }
 
-/// The values that one walk over the window's samples, in reading order, adds up. No sample is kept: GPUs hold arrays
-/// that are indexed at run time in memory, so that it is faster to read a few texels twice.
+/// The codes of the normals of each lane's window, at 64 i + lane for its i-th sample in reading order, up to m = 4. A
+/// visibility buffer computes a normal from its triangle, so that none should be read twice; the windows of greater m
+/// would leave room for few workgroups.
+var<workgroup> daa_codes: array<u32, 1024>;
+
+/// The values that one walk over the window's samples, in reading order, adds up. No sample is kept in a private array:
+/// GPUs hold those that are indexed at run time in slow memory.
 struct DaaWindow {
     /// Number of samples with a surface.
     covered: f32,
@@ -39,7 +44,7 @@ struct DaaWindow {
     identities: vec2u,
 }
 
-fn daa_window(corner: vec2i) -> DaaWindow {
+fn daa_window(corner: vec2i, lane: u32) -> DaaWindow {
     var w: DaaWindow;
     w.depth = daa_depth(corner);
     w.codes = vec2u(0xffffffffu, 0u);
@@ -55,6 +60,9 @@ fn daa_window(corner: vec2i) -> DaaWindow {
             w.sum += v;
             w.sum_of_squares += v * v;
             let surface = daa_surface_at(vec2u(corner + vec2i(x, y)));
+            if DAA_M <= 4u {
+                daa_codes[64u * u32(y * i32(DAA_M) + x) + lane] = surface.x;
+            }
             w.normals += select(vec3f(0.0), daa_octahedral_decode(unpack2x16snorm(surface.x)), valid);
             w.codes.x = select(w.codes.x, min(w.codes.x, surface.x), valid);
             w.codes.y = select(w.codes.y, max(w.codes.y, surface.x), valid);
@@ -102,7 +110,7 @@ fn daa_depth_variance(w: DaaWindow) -> f32 {
 
 /// √(1 − min n̄·n) over the window's normals. It is computed by chords, 1 − n̄·n = |n̄ − n|²/2, which is precise at
 /// small angles. For normals that cancel it is 2, more than any cone.
-fn daa_normal_cone(corner: vec2u, w: DaaWindow) -> f32 {
+fn daa_normal_cone(corner: vec2u, w: DaaWindow, lane: u32) -> f32 {
     if w.codes.x >= w.codes.y {
         return 0.0;
     }
@@ -119,7 +127,13 @@ fn daa_normal_cone(corner: vec2u, w: DaaWindow) -> f32 {
             if w.covered < f32(DAA_M * DAA_M) && daa_depth_at(at) <= DAA_SKY_DEPTH {
                 continue;
             }
-            let n = daa_octahedral_decode(unpack2x16snorm(daa_surface_at(at).x));
+            var code: u32;
+            if DAA_M <= 4u {
+                code = daa_codes[64u * (y * DAA_M + x) + lane];
+            } else {
+                code = daa_surface_at(at).x;
+            }
+            let n = daa_octahedral_decode(unpack2x16snorm(code));
             let apart = mean - n;
             let other = mean + n;
             let squared = select(dot(apart, apart), min(dot(apart, apart), dot(other, other)), two_sided);
@@ -185,7 +199,7 @@ fn daa_metrics_main(
     let corner = id.xy * DAA_M;
     var k = 1.0;
     var by = DAA_BY_NOTHING;
-    let window = daa_window(vec2i(corner));
+    let window = daa_window(vec2i(corner), lane);
     if daa_frame.windowed.depth_scale > 0.0 {
         var depth = 0.0;
         if daa_flag(DAA_FLAG_DEPTH_PLANE) {
@@ -198,7 +212,7 @@ fn daa_metrics_main(
         k = max(k, wanted);
     }
     if daa_frame.windowed.normal_scale > 0.0 {
-        let cone = daa_normal_cone(corner, window);
+        let cone = daa_normal_cone(corner, window, lane);
         let wanted = select(daa_frame.windowed.normal_scale * cone, n, cone > 1.9);
         by = select(by, DAA_BY_NORMAL, wanted > k);
         k = max(k, wanted);
