@@ -36,7 +36,9 @@ fn daa_first_main(@builtin(global_invocation_id) id: vec3u) {
     if any(id.xy >= daa_frame.size) {
         return;
     }
-    let may_be_alone = daa_frame.least_samples < 1.5 && daa_stands_for_all(id.xy);
-    let alone = !daa_flag(DAA_FLAG_EDGE_AWARE_FIRST) || may_be_alone;
+    var alone = !daa_flag(DAA_FLAG_EDGE_AWARE_FIRST);
+    if !alone && daa_frame.least_samples < 1.5 {
+        alone = daa_stands_for_all(id.xy);
+    }
     textureStore(daa_first, id.xy, daa_shade_sample(id.xy, 0u, select(DAA_M * DAA_M, 1u, alone)));
 }
