@@ -143,6 +143,25 @@ fn single_keeps_a_sixteenth_of_what_full_keeps() {
     assert_eq!(kept(Technique::Selective) * 16, full * 9);
 }
 
+/// Two techniques may take turns frame by frame: the room for all samples stays, and nothing is made anew.
+#[test]
+fn techniques_that_take_turns_share_their_room() {
+    let scene = builtin("mirrors").unwrap();
+    let camera = scene.default_camera();
+    let mut host = host(scene, 3, [45, 22]);
+    let mut room = |technique| {
+        host.frame(&camera, Settings { technique, ..Default::default() }).unwrap();
+        let passed = host.aa.intermediates().unwrap();
+        [passed.shadows.cloned().expect("shadows"), passed.reflections.cloned().expect("reflections")]
+    };
+    room(Technique::Selective);
+    let [full, with_hits] = [room(Technique::Full), room(Technique::Selective)];
+    assert_eq!(full[0], with_hits[0]);
+    for technique in [Technique::Single, Technique::Full, Technique::Windowed, Technique::Selective, Technique::Full] {
+        assert_eq!(room(technique), with_hits, "{technique:?}");
+    }
+}
+
 /// The memory of a node is what its requirements said for each technique, with lists, lattices, views and all rays.
 #[test]
 fn requirements_foretell_what_a_frame_holds() {
