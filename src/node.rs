@@ -383,9 +383,11 @@ impl DeferredAa {
     fn traced(&self, resources: &SizedResources) -> Traced {
         let settings = self.begun.as_ref().map_or_else(Settings::default, |begun| begun.settings);
         let shape = self.shape(resources.layout(), &settings, RayInputs::default());
-        let Results { ranks, planned, words, .. } = shape.results;
+        let Results { ranks, planned, audited, words } = shape.results;
         let slots = Slots::new(resources.size[0], resources.size[1]);
-        Traced { slots, settings, m: shape.m, ranks, planned: planned as usize, words: words as usize }
+        let of_frame = self.begun.as_ref().filter(|_| audited > 0 && resources.size == resources.image);
+        let audited = of_frame.map(|begun| (begun.audited, audited));
+        Traced { slots, settings, m: shape.m, ranks, planned: planned as usize, words: words as usize, audited }
     }
 
     /// The GPU memory in bytes that the node holds at the present size, without lent memory.

@@ -268,6 +268,46 @@ fn planned_samples_keep_what_their_rays_find() {
     }
 }
 
+/// The samples of audited tiles have what full supersampling finds, whether or not they were planned.
+#[test]
+fn audited_samples_keep_what_their_rays_find() {
+    for (name, m, size) in [("shadows", 4, [61, 35]), ("mirrors", 2, [200, 120])] {
+        let scene = builtin(name).unwrap();
+        let camera = scene.default_camera();
+        let mut host = host(scene, m, size);
+        host.frame(&camera, full()).unwrap();
+        let (of_full, no_plan, all) = found(&host);
+        let (depths, order) = (host.depths(), sample_order(&full(), m));
+        let settings = Settings { goal: Some(Goal::Error(0.01)), ..Settings::default() };
+        let (mut audited, mut left_out) = (0, 0);
+        for _ in 0..3 {
+            host.frame(&camera, settings).unwrap();
+            let (traced, plan, some) = found(&host);
+            let slots = host.aa.intermediates().unwrap().slots;
+            for (x, y) in (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (x, y))) {
+                for (rank, &(at_x, at_y)) in (0..).zip(&order) {
+                    let planned = rank < plan[slots.pixel(x, y)].k();
+                    let Some(place) = traced.place(&plan, x, y, rank) else {
+                        left_out += 1;
+                        continue;
+                    };
+                    let at = (y * m + u32::from(at_y)) * size[0] * m + x * m + u32::from(at_x);
+                    if depths[at as usize] == 0.0 {
+                        continue;
+                    }
+                    let expected = of_full.place(&no_plan, x, y, rank).unwrap();
+                    for (some, all) in some.iter().zip(&all) {
+                        assert_eq!(some.get(place), all.get(expected), "{name} ({x}, {y}) {rank} {planned}");
+                    }
+                    audited += usize::from(!planned);
+                }
+            }
+        }
+        // In a small image all tiles are audited, in the larger one a part.
+        assert!(audited > 500 && (left_out > 0) == (m == 2), "{name}: {audited}, {left_out}");
+    }
+}
+
 /// What the last frame's rays found: the places, the plan, and the shadow bits and the radiance.
 fn found(host: &Host) -> (Traced, Vec<PlanWord>, [Vec<u32>; 2]) {
     let passed = host.aa.intermediates().unwrap();

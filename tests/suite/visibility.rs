@@ -10,7 +10,7 @@ use deferred_aa::rays::{Attributes, BottomLevel, Instance, Mesh, RayError, RaySc
 use deferred_aa::reference::visibility::{Input, Seen};
 use deferred_aa::{
     BuildError, Channels, DebugView, DeferredAa, Descriptor, Frame, GBufferTier, Ids, InputMistake, Needs, RecordError,
-    Settings, Shading, Technique, TextureTier, wgpu,
+    Settings, Shading, Technique, TextureTier, Windowed, wgpu,
 };
 use deferred_aa_demo::gpu::{self, Gpu};
 use deferred_aa_demo::host::{Host, Options};
@@ -566,4 +566,37 @@ fn more_materials_than_a_sample_can_name_are_refused() {
     let options = Options::new(16, 16, 1);
     let gpu = Gpu::new(gpu::choose(None).expect("an adapter"), &options.descriptor()).expect("a device");
     Host::new(gpu, scene, options).map(|_| ()).expect("as many as there are names");
+}
+
+/// Two flat triangles of one double-sided wall, wound oppositely: both show the same normal, so that the metric of normals
+/// sees no edge between them, from either side.
+#[test]
+fn flat_triangles_show_the_normal_of_their_visible_side() {
+    if !has_ids() {
+        return;
+    }
+    let mut wall = faces(MATTE, &[2]);
+    let turned_over: Vec<u32> = [0, 3, 2]
+        .map(|corner| {
+            wall.positions.push(wall.positions[corner]);
+            wall.normals.push(-wall.normals[corner]);
+            wall.tangents.push(wall.tangents[corner]);
+            wall.uvs.push(wall.uvs[corner]);
+            wall.colors.push(wall.colors[corner]);
+            wall.positions.len() as u32 - 1
+        })
+        .to_vec();
+    wall.indices.truncate(3);
+    wall.indices.extend(turned_over);
+    let mut made = scene(vec![(wall, at(0.0, 0.0, 0.0))]);
+    made.materials[MATTE].double_sided = true;
+    let windowed = Windowed { depth_scale: 0.0, luminance_scale: 0.0, two_sided: false, ..Windowed::PAPER };
+    let settings = Settings { windowed, ..Settings::default() };
+    for eye in [vec3(0.3, 0.2, 4.0), vec3(0.3, 0.2, -4.0)] {
+        let camera = looking(eye, Vec3::ZERO, 0.1);
+        let mut host = host(made.clone(), 4, SIZE, GBufferTier::Visibility(Ids::Wide));
+        host.frame(&camera, settings).expect("a frame");
+        assert!(host.depths().iter().filter(|&&d| d > 0.0).count() > 2000, "the wall is seen");
+        assert!(host.plan().iter().all(|word| word.k() == 1), "{eye}: an edge where there is none");
+    }
 }

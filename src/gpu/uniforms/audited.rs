@@ -41,12 +41,22 @@ impl Audited {
         Self::of_period(self.period, size)
     }
 
+    /// The column and row of a tile among the audited ones, `None` if it is not audited.
+    pub fn place(self, [x, y]: [u32; 2]) -> Option<[u32; 2]> {
+        (x % self.period == self.phase_of(y)).then_some([x / self.period, y])
+    }
+
+    /// The index of the audited tile within the periods of a row.
+    fn phase_of(self, row: u32) -> u32 {
+        (self.phase + 11 * (self.period - row % self.period)) % self.period
+    }
+
     /// The index of the tile, row by row, for each entry of the audit's result.
     pub fn tiles(self, size: [u32; 2]) -> impl Iterator<Item = Option<usize>> {
         let tiles_x = size[0].div_ceil(TILE);
         let [groups_x, rows] = self.groups(size);
         (0..rows).flat_map(move |row| {
-            let phase = (self.phase + 11 * (self.period - row % self.period)) % self.period;
+            let phase = self.phase_of(row);
             let columns = (0..groups_x).map(move |group| group * self.period + phase);
             columns.map(move |x| (x < tiles_x).then_some((row * tiles_x + x) as usize))
         })
