@@ -12,6 +12,13 @@ fn daa_identity_at(at: vec2u) -> u32 {
     return textureLoad(daa_gbuffer_surface, at, 0).y;
 }
 
+/// The codes of normals are read again where they are needed again.
+fn daa_keep_code(lane: u32, i: u32, code: u32) {}
+
+fn daa_kept_code(lane: u32, i: u32, at: vec2u) -> u32 {
+    return daa_surface_at(at).x;
+}
+
 fn daa_uv_at(at: vec2u) -> vec2f {
     return bitcast<vec2f>(daa_stored_uv(at).xy);
 }

@@ -205,6 +205,24 @@ fn daa_identity_at(at: vec2u) -> u32 {
     return daa_instances[instance * 4u - 1u].z;
 }
 
+/// The codes of the normals of each lane's window, at 64 i + lane for its i-th sample. They are computed, so that none
+/// should be read twice. The windows of m > 4 would leave room for few workgroups.
+var<workgroup> daa_codes: array<u32, 1024>;
+
+fn daa_keep_code(lane: u32, i: u32, code: u32) {
+    if DAA_M <= 4u {
+        daa_codes[64u * i + lane] = code;
+    }
+}
+
+/// The code of the i-th sample of the lane's window, which lies at `at`.
+fn daa_kept_code(lane: u32, i: u32, at: vec2u) -> u32 {
+    if DAA_M <= 4u {
+        return daa_codes[64u * i + lane];
+    }
+    return daa_surface_at(at).x;
+}
+
 fn daa_uv_at(at: vec2u) -> vec2f {
     let ids = daa_ids_at(at);
     if ids.x == 0u {

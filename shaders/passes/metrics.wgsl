@@ -20,13 +20,8 @@ fn daa_depth_step(a: f32, b: f32, c: f32, d: f32) -> f32 {
     return select(0.0, step / nearer, nearer > 0.0);
 }
 
-/// The codes of the normals of each lane's window, at 64 i + lane for its i-th sample in reading order, up to m = 4. A
-/// visibility buffer computes a normal from its triangle, so that none should be read twice; the windows of greater m
-/// would leave room for few workgroups.
-var<workgroup> daa_codes: array<u32, 1024>;
-
 /// The values that one walk over the window's samples, in reading order, adds up. No sample is kept in a private array:
-/// GPUs hold those that are indexed at run time in slow memory.
+/// GPUs hold those that are indexed at run time in slow memory, so that it is faster to read a few texels twice.
 struct DaaWindow {
     /// Number of samples with a surface.
     covered: f32,
@@ -60,9 +55,7 @@ fn daa_window(corner: vec2i, lane: u32) -> DaaWindow {
             w.sum += v;
             w.sum_of_squares += v * v;
             let surface = daa_surface_at(vec2u(corner + vec2i(x, y)));
-            if DAA_M <= 4u {
-                daa_codes[64u * u32(y * i32(DAA_M) + x) + lane] = surface.x;
-            }
+            daa_keep_code(lane, u32(y * i32(DAA_M) + x), surface.x);
             w.normals += select(vec3f(0.0), daa_octahedral_decode(unpack2x16snorm(surface.x)), valid);
             w.codes.x = select(w.codes.x, min(w.codes.x, surface.x), valid);
             w.codes.y = select(w.codes.y, max(w.codes.y, surface.x), valid);
@@ -127,12 +120,7 @@ fn daa_normal_cone(corner: vec2u, w: DaaWindow, lane: u32) -> f32 {
             if w.covered < f32(DAA_M * DAA_M) && daa_depth_at(at) <= DAA_SKY_DEPTH {
                 continue;
             }
-            var code: u32;
-            if DAA_M <= 4u {
-                code = daa_codes[64u * (y * DAA_M + x) + lane];
-            } else {
-                code = daa_surface_at(at).x;
-            }
+            let code = daa_kept_code(lane, y * DAA_M + x, at);
             let n = daa_octahedral_decode(unpack2x16snorm(code));
             let apart = mean - n;
             let other = mean + n;
