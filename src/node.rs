@@ -210,13 +210,13 @@ impl DeferredAa {
     ///
     /// For each band in turn the host rasters [`Band::raster`] into the [`gbuffer`](Self::gbuffer), with the projection
     /// of [`Band::crop`] or the viewport of [`Band::viewport`], and records a frame that has the band as
-    /// [`Frame::band`]. Between two submits there may be up to 64 bands. The image equals that of a single frame bit for
-    /// bit, if the samples do. It is complete after the last band; then its statistics are read back, too, and the
+    /// [`Frame::band`]. Between two submits there may be up to 64 bands. The image equals that of a single frame bit
+    /// for bit, if the samples do. It is complete after the last band; then its statistics are read back, too, and the
     /// effort of a goal may move.
     ///
     /// A call with the same arguments as the last one does nothing; call it before every frame whose settings or needs
-    /// may have changed. Other bands withdraw all [loans](Self::lend). Not counted are the host's own resources, those of
-    /// a [`RayScene`], and what wgpu and the driver add. If it fails, the node keeps its former size and resources.
+    /// may have changed. Other bands withdraw all [loans](Self::lend). Not counted are the host's own resources, those
+    /// of a [`RayScene`], and what wgpu and the driver add. If it fails, the node keeps its former size and resources.
     pub fn resize_banded(
         &mut self,
         device: &wgpu::Device,
@@ -576,8 +576,8 @@ impl DeferredAa {
         (effort, audited)
     }
 
-    /// Makes ready what the passes of a frame are recorded from: pipelines, memory and bind groups. Nothing is left to do where the frame
-    /// before had the same.
+    /// Makes ready what the passes of a frame are recorded from: pipelines, memory and bind groups. Nothing is left to
+    /// do where the frame before had the same.
     fn prepare(&mut self, frame: &Frame<'_>, steps: Vec<Step>, shape: &Shape) -> Result<(), RecordError> {
         let inputs = shape.inputs;
         let visible = self.build().gbuffer.ids().is_some();
@@ -627,8 +627,8 @@ impl DeferredAa {
         Ok(())
     }
 
-    /// Checks that the image fits the frame's target, and that the frame has the bind groups of the host's WGSL. Returns
-    /// the place of the image in the target, and the pixels that the band draws, `None` if these are all.
+    /// Checks that the image fits the frame's target, and that the frame has the bind groups of the host's WGSL.
+    /// Returns the place of the image in the target, and the pixels that the band draws, `None` if these are all.
     fn check_target(&self, frame: &Frame<'_>, band: &Band) -> Result<([u32; 2], Option<Rect>), RecordError> {
         let [width, height] = band.image;
         let target = frame.target.texture();

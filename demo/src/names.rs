@@ -2,8 +2,8 @@
 
 /// Of the choices, the one that `name` most likely meant; the first of equals. `None` if none is near.
 ///
-/// Near is a Damerau-Levenshtein distance, letter case aside, of at most a third of the longer name: a slip of the keyboard
-/// in a short name, two or three in a long one.
+/// Near is a Damerau-Levenshtein distance, letter case aside, of at most a third of the longer name: a slip of the
+/// keyboard in a short name, two or three in a long one.
 pub fn nearest<'a>(name: &str, choices: &[&'a str]) -> Option<&'a str> {
     let name = name.to_lowercase();
     let distance = |choice: &str| strsim::damerau_levenshtein(&name, &choice.to_lowercase());

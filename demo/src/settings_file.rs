@@ -1,5 +1,6 @@
-//! Settings as a file, which `view` writes and reads and `render --settings` reads: `{"version": 1, "settings": {…}}`. Settings that
-//! are left out have their defaults. A file with any mistake is refused as a whole; the error names the mistake.
+//! Settings as a file, which `view` writes and reads and `render --settings` reads: `{"version": 1, "settings": {…}}`.
+//! Settings that are left out have their defaults. A file with any mistake is refused as a whole; the error names the
+//! mistake.
 
 use crate::files;
 use crate::names::did_you_mean;
@@ -107,8 +108,8 @@ fn named(key: &str) -> String {
     if key.is_empty() { "settings".to_owned() } else { format!("settings.{key}") }
 }
 
-/// Collects the plain values below `found` with their paths. All paths must be in `known`; the error is the path that is not, and
-/// why.
+/// Collects the plain values below `found` with their paths. All paths must be in `known`; the error is the path that
+/// is not, and why.
 fn leaves(
     found: &Value,
     known: &Value,

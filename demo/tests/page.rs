@@ -1,7 +1,7 @@
 //! report.html as a browser shows it. Needs Chromium; without one the tests say so and pass.
 //!
-//! The page is the program's own, of a tiny report, or the one that `DEFERRED_AA_REPORT_HTML` names. Some tests put other
-//! figures into it first, as a report from elsewhere could hold them.
+//! The page is the program's own, of a tiny report, or the one that `DEFERRED_AA_REPORT_HTML` names. Some tests put
+//! other figures into it first, as a report from elsewhere could hold them.
 
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};

@@ -1,7 +1,7 @@
 //! The sources have no import circles, and no folder has more files than can be taken in at a glance.
 //!
-//! A file imports another where it names something that is defined there, in a `use` line or by a path. What a folder passes on with
-//! `pub use` counts as of the file that defines it. Calls of methods are not followed.
+//! A file imports another where it names something that is defined there, in a `use` line or by a path. What a folder
+//! passes on with `pub use` counts as of the file that defines it. Calls of methods are not followed.
 
 use proc_macro2::{TokenStream, TokenTree};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
@@ -150,8 +150,8 @@ impl Crate {
         imports
     }
 
-    /// The files that define what `path`, written in the module `from`, stands for. None for what lies outside of the crate, and for
-    /// a path that ends at a module: whoever uses the module names something in it.
+    /// The files that define what `path`, written in the module `from`, stands for. None for what lies outside of the
+    /// crate, and for a path that ends at a module: whoever uses the module names something in it.
     fn files_of(&self, from: &[String], path: &[String], depth: usize) -> Vec<&str> {
         // Modules that glob each other would go on for ever.
         let (Some(module), Some((first, rest)), true) = (self.modules.get(from), path.split_first(), depth < 32) else {

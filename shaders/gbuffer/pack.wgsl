@@ -1,6 +1,6 @@
-// Packs a fragment into a stored G-buffer. `GBufferTier::pack_wgsl` has octahedral.wgsl, this file, and `DaaGBuffer` and
-// `daa_pack` for the channels that are kept. A host joins them with its raster shader and returns `daa_pack(fragment)`
-// from its fragment entry point.
+// Packs a fragment into a stored G-buffer. `GBufferTier::pack_wgsl` has octahedral.wgsl, this file, and `DaaGBuffer`
+// and `daa_pack` for the channels that are kept. A host joins them with its raster shader and returns
+// `daa_pack(fragment)` from its fragment entry point.
 
 /// The surface attributes of a fragment, set by the host's fragment shader.
 struct DaaFragment {

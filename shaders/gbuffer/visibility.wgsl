@@ -106,8 +106,8 @@ fn daa_weights_of(point: vec3f) -> vec2f {
     return vec2f(dot(from_a, daa_drawn.along_b), dot(from_a, daa_drawn.along_c));
 }
 
-/// `near` is the point of the near plane through which the ray runs, homogeneous. The plane is met as a whole, so it makes
-/// no difference how much of the triangle lies behind the camera.
+/// `near` is the point of the near plane through which the ray runs, homogeneous. The plane is met as a whole, so it
+/// makes no difference how much of the triangle lies behind the camera.
 fn daa_meet(near: vec4f) -> DaaMeeting {
     var origin = vec3f(0.0);
     var direction = near.xyz * sign(near.w);

@@ -137,8 +137,8 @@ fn daa_reconstruct_main(@builtin(workgroup_id) tile: vec3u, @builtin(local_invoc
         }
     }
 
-    // The tile's samples are shaded end to end, 64 in a round, so that no lane waits for another. Their order is that in
-    // which lanes come here; it does not matter, since each lane adds up its own samples by rank.
+    // The tile's samples are shaded end to end, 64 in a round, so that no lane waits for another. Their order is that
+    // in which lanes come here; it does not matter, since each lane adds up its own samples by rank.
     let count = countOneBits(shaded.x) + countOneBits(shaded.y);
     var next = 0u;
     if count > 0u {

@@ -50,10 +50,10 @@ struct DaaCasting {
 const DAA_TILES_SURFACE: u32 = 0u;
 const DAA_TILES_REFLECT: u32 = 1u;
 
-/// The samples of a lane: of a pixel, the ranks from `first` up to, but without, `end`. Planned samples are dealt to the
-/// lanes in turn, since a few pixels have many: with DAA_SAMPLES_PLANNED, `pixel` is the tile, and each 64th of its
-/// planned samples takes the place of a rank. With DAA_SAMPLES_POINTS, `pixel` is the workgroup's position, and it is each
-/// 64th of its chosen points.
+/// The samples of a lane: of a pixel, the ranks from `first` up to, but without, `end`. Planned samples are dealt to
+/// the lanes in turn, since a few pixels have many: with DAA_SAMPLES_PLANNED, `pixel` is the tile, and each 64th of its
+/// planned samples takes the place of a rank. With DAA_SAMPLES_POINTS, `pixel` is the workgroup's position, and it is
+/// each 64th of its chosen points.
 struct DaaRanks {
     pixel: vec2u,
     first: u32,

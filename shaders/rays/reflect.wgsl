@@ -2,8 +2,8 @@
 // the host's own code (the secondary rays of subpixel reconstruction for ray tracing, WSCG 2012, section 3). CPU twin:
 // src/reference/rays/reflect.rs.
 
-/// The reflected and refracted radiance of samples, at `daa_result_index`, as codes of shared_exponent.wgsl. The hits of
-/// first samples follow for `Selective`. If the rays of each sample are recorded, their counts follow the room for
+/// The reflected and refracted radiance of samples, at `daa_result_index`, as codes of shared_exponent.wgsl. The hits
+/// of first samples follow for `Selective`. If the rays of each sample are recorded, their counts follow the room for
 /// hits: mirrored rays + refracted rays · 2¹⁶.
 @group(3) @binding(5) var<storage, read_write> daa_reflections: array<u32>;
 /// A bit for each material: whether it sends rays.

@@ -1,5 +1,5 @@
-// The attributes of a point of a triangle, in the space of its mesh: what a ray hits, and what a visibility buffer shows.
-// CPU twin: src/reference/triangle.rs.
+// The attributes of a point of a triangle, in the space of its mesh: what a ray hits, and what a visibility buffer
+// shows. CPU twin: src/reference/triangle.rs.
 
 /// The attributes of the three vertices.
 struct DaaTriangle {
@@ -37,8 +37,8 @@ fn daa_triangle_normal(t: DaaTriangle, w: vec3f) -> vec3f {
     return t.normal_a * w.x + t.normal_b * w.y + t.normal_c * w.z;
 }
 
-/// A vertex's tangent from its code: 15 bits of the way around the diamond |x| + |y| = 1 about the normal, which takes no
-/// sine. The side of the basis follows from the code of the normal: n.z may round to either side of 0.
+/// A vertex's tangent from its code: 15 bits of the way around the diamond |x| + |y| = 1 about the normal, which takes
+/// no sine. The side of the basis follows from the code of the normal: n.z may round to either side of 0.
 fn daa_vertex_tangent(n: vec3f, normal: u32, code: u32) -> vec3f {
     let way = f32(code & 0x7fffu) * (4.0 / 32768.0);
     let along = vec2f(abs(way - 2.0) - 1.0, select(1.0 - abs(way - 1.0), abs(way - 3.0) - 1.0, way >= 2.0));

@@ -27,8 +27,8 @@ pub(crate) const BATCH: u64 = 1 << 22;
 /// The bytes before the lists of tiles: two `DaaTileClass` of classify.wgsl.
 pub(crate) const TILE_CLASSES_BYTES: u64 = 32;
 
-/// The number of points along one side of the block of a workgroup that lists points: `DAA_LANE_SIDE` of listing.wgsl for
-/// each of 8 lanes.
+/// The number of points along one side of the block of a workgroup that lists points: `DAA_LANE_SIDE` of listing.wgsl
+/// for each of 8 lanes.
 pub(crate) const POINTS_BLOCK: u32 = 32;
 
 /// The number of words for the hits of a first sample's rays: three for the mirrored and three for the refracted one.
@@ -68,8 +68,8 @@ pub(crate) struct Results {
 }
 
 impl Results {
-    /// For these samples of an image, or of a band of `size`. `room` is the setting `ray_samples`; `audits` says whether the
-    /// frame audits tiles.
+    /// For these samples of an image, or of a band of `size`. `room` is the setting `ray_samples`; `audits` says
+    /// whether the frame audits tiles.
     pub fn new(layout: Layout, m: u32, ranks: CastingRanks, room: f32, audits: bool) -> Self {
         let Layout { image, size } = layout;
         let n = m * m;

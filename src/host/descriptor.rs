@@ -11,8 +11,8 @@ pub struct Shading<'a> {
     /// `fn light(f: DaaSurface, m: DaaMaterial) -> vec4f`. The result is linear radiance and alpha.
     ///
     /// Three functions are optional. `fn sky(s: DaaSample) -> vec4f` shades samples without a surface; without it the
-    /// sky is transparent black. For rays, `fn reflection(s: DaaSample) -> DaaReflection` says what a surface reflects and
-    /// refracts, and `fn solid(material: u32, uv: vec2f) -> bool` whether a masked mesh stops a ray.
+    /// sky is transparent black. For rays, `fn reflection(s: DaaSample) -> DaaReflection` says what a surface reflects
+    /// and refracts, and `fn solid(material: u32, uv: vec2f) -> bool` whether a masked mesh stops a ray.
     ///
     /// Its resources are bound at [`HOST_GROUP`](crate::HOST_GROUP). `shaders/contract.wgsl` has everything that it may
     /// use.

@@ -33,20 +33,20 @@ pub struct Frame<'a> {
     pub host_bind_group: Option<&'a wgpu::BindGroup>,
     /// The textures that `daa_texture` reads. Required if the descriptor has a texture tier.
     pub textures: Option<&'a TextureTable>,
-    /// The view that the image is written to. It has the size of the node, or holds the [`viewport`](Self::viewport), the
-    /// format of the descriptor and the usage `RENDER_ATTACHMENT`. The format of its texture may differ in sRGB, since a view may have another format than its
-    /// texture and wgpu does not tell which.
+    /// The view that the image is written to. It has the size of the node, or holds the [`viewport`](Self::viewport),
+    /// the format of the descriptor and the usage `RENDER_ATTACHMENT`. The format of its texture may differ in sRGB,
+    /// since a view may have another format than its texture and wgpu does not tell which.
     pub target: &'a wgpu::TextureView,
     /// The view of the host's texture that depth is written to; required if [`Needs::depth`] asks for it, else `None`.
-    /// Its format is [`DEPTH_FORMAT`](crate::gbuffer::DEPTH_FORMAT), its usage `RENDER_ATTACHMENT`, and its size that of
-    /// the target. The same pixels as of the target are written, and what lies around them is kept, so that a render
+    /// Its format is [`DEPTH_FORMAT`](crate::gbuffer::DEPTH_FORMAT), its usage `RENDER_ATTACHMENT`, and its size that
+    /// of the target. The same pixels as of the target are written, and what lies around them is kept, so that a render
     /// pass may then have both as attachments. Depth is reversed: 1 is near, 0 is far and the sky.
     pub depth: Option<&'a wgpu::TextureView>,
     /// The rectangle of the target that the image is written to, of the size of the node; the view shows the texture's
     /// largest mip level. What lies around it is kept. `None`: the target has the size of the node.
     pub viewport: Option<Rect>,
-    /// The band of the image that the G-buffer holds, after [`resize_banded`](crate::DeferredAa::resize_banded). `None`:
-    /// the G-buffer holds the whole image.
+    /// The band of the image that the G-buffer holds, after [`resize_banded`](crate::DeferredAa::resize_banded).
+    /// `None`: the G-buffer holds the whole image.
     pub band: Option<Band>,
     /// What the scene needs besides shading; `Needs::default()` for nothing.
     pub needs: Needs<'a>,

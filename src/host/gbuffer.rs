@@ -9,10 +9,10 @@
 //! | uv | `Rgba32Uint` | uv as two f32; ∂uv/∂x and ∂uv/∂y as four f16, per sample |
 //! | depth | `Depth32Float` | reversed z: 1 near, 0 at the far plane, where there is only sky |
 //!
-//! The target frame is `R32Uint` if the host reads neither of the normal and the tangent, or not its own 32 bits, and is
-//! left out if it reads none of them; uv is left out if it reads no texture coordinates. A sample has 12 to 36 bytes with
-//! depth. Gradients are stored, not derived from neighbouring samples: the rasteriser takes them inside one triangle, so
-//! no material or UV seam can smear.
+//! The target frame is `R32Uint` if the host reads neither of the normal and the tangent, or not its own 32 bits, and
+//! is left out if it reads none of them; uv is left out if it reads no texture coordinates. A sample has 12 to 36 bytes
+//! with depth. Gradients are stored, not derived from neighbouring samples: the rasteriser takes them inside one
+//! triangle, so no material or UV seam can smear.
 //!
 //! [`GBufferTier::Visibility`] keeps which triangle a sample shows, 8 or 12 bytes with depth:
 //!
@@ -79,8 +79,8 @@ impl Default for GBufferTier {
 }
 
 /// The attributes that a stored G-buffer keeps besides the normal, the material and the object. Each that the host's
-/// WGSL does not read saves its bytes in every sample; [`DeferredAa::new`](crate::DeferredAa::new) refuses WGSL that reads
-/// one which is not kept.
+/// WGSL does not read saves its bytes in every sample; [`DeferredAa::new`](crate::DeferredAa::new) refuses WGSL that
+/// reads one which is not kept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Channels {
@@ -167,8 +167,8 @@ impl GBufferTier {
         self.color_formats().into_iter().map(|format| Some(format.into())).collect()
     }
 
-    /// WGSL for the host's raster shader; join it with the host's own source. It declares `DaaGBuffer`, the result of the
-    /// fragment entry point, and
+    /// WGSL for the host's raster shader; join it with the host's own source. It declares `DaaGBuffer`, the result of
+    /// the fragment entry point, and
     /// - for [`Stored`](Self::Stored) `DaaFragment` and `fn daa_pack(f: DaaFragment) -> DaaGBuffer`. A channel that is not
     ///   kept need not be set;
     /// - for [`Visibility`](Self::Visibility) `fn daa_pack(instance: u32, triangle: u32) -> DaaGBuffer`: the index of the

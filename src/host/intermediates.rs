@@ -11,8 +11,8 @@ pub struct Intermediates<'a> {
     pub first: &'a wgpu::Texture,
     /// The means of windows with k > 1: `Rgba32Float`, w×h; other pixels are undefined.
     pub color: &'a wgpu::Texture,
-    /// The plan: a [`PlanWord`](crate::PlanWord) for each pixel of each tile, in its [slot](Self::slots), then, in frames
-    /// that trace rays of planned samples, for each tile the number of planned samples before its own.
+    /// The plan: a [`PlanWord`](crate::PlanWord) for each pixel of each tile, in its [slot](Self::slots), then, in
+    /// frames that trace rays of planned samples, for each tile the number of planned samples before its own.
     pub plan: &'a wgpu::Buffer,
     /// The places of pixels and samples in the plan, and in the buffers of what rays found.
     pub slots: Slots,
@@ -34,9 +34,9 @@ pub struct Intermediates<'a> {
     pub tile_lists: Option<&'a wgpu::Buffer>,
     /// The radiance that samples reflect and refract, in the same layout and under the same conditions as
     /// [`shadows`](Self::shadows): codes of shared_exponent.wgsl, 0 where nothing was traced. The hits of the rays of
-    /// first samples follow, in frames of [`Technique::Selective`](crate::Technique::Selective): `daa_reflection_hit` of
-    /// reflections.wgsl, word by word, 6 words a pixel. The rays that each sample sent follow those, or their room, in
-    /// frames that show [`DebugView::Rays`](crate::DebugView::Rays): mirrored ones + refracted ones · 2¹⁶.
+    /// first samples follow, in frames of [`Technique::Selective`](crate::Technique::Selective): `daa_reflection_hit`
+    /// of reflections.wgsl, word by word, 6 words a pixel. The rays that each sample sent follow those, or their room,
+    /// in frames that show [`DebugView::Rays`](crate::DebugView::Rays): mirrored ones + refracted ones · 2¹⁶.
     pub reflections: Option<&'a wgpu::Buffer>,
     /// The words of the points of all lattices, and the colours of those that are shaded, once
     /// [`Technique::MultiResolution`](crate::Technique::MultiResolution) has run: `daa_point_word` of lattice.wgsl; see

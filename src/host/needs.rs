@@ -9,8 +9,8 @@ use glam::Vec3;
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Needs<'a> {
     /// The scene that rays are traced in, [updated](RayScene::update) for this frame's camera. Required if the frame
-    /// traces any rays, and by [`GBufferTier::Visibility`](crate::GBufferTier::Visibility), whose ids name its meshes and
-    /// instances.
+    /// traces any rays, and by [`GBufferTier::Visibility`](crate::GBufferTier::Visibility), whose ids name its meshes
+    /// and instances.
     pub rays: Option<&'a RayScene>,
     /// The lights that cast shadows, at most 32. Bit i of `DaaSurface::shadow` says that light i of this list does not
     /// reach the surface. Leave out lights that cast no shadows.

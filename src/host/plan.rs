@@ -30,15 +30,15 @@ impl Slots {
         (tile * TILE * TILE + (y % TILE) * TILE + x % TILE) as usize
     }
 
-    /// The place of a pixel's sample in buffers that hold a word for each sample: all samples of rank 0, slot by slot, then those of
-    /// rank 1, and so on.
+    /// The place of a pixel's sample in buffers that hold a word for each sample: all samples of rank 0, slot by slot,
+    /// then those of rank 1, and so on.
     pub fn sample(self, x: u32, y: u32, rank: u32) -> usize {
         rank as usize * self.count() + self.pixel(x, y)
     }
 }
 
-/// The word that the plan has of a pixel: [`Intermediates::plan`](crate::Intermediates::plan). What stands in its upper half depends on
-/// the technique. `shaders/shared/plan_word.wgsl` has the same accessors.
+/// The word that the plan has of a pixel: [`Intermediates::plan`](crate::Intermediates::plan). What stands in its upper
+/// half depends on the technique. `shaders/shared/plan_word.wgsl` has the same accessors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(transparent)]
 pub struct PlanWord(pub u32);

@@ -22,9 +22,9 @@ pub struct Traced {
 }
 
 impl Traced {
-    /// The place of a sample's results. `None` if the sample has none of its own: it was neither planned nor audited, or
-    /// there was no room ([`Settings::ray_samples`]). Audited samples of frames in bands are left out. `plan` is [`Intermediates::plan`](crate::Intermediates::plan); it is not read
-    /// for techniques without a plan.
+    /// The place of a sample's results. `None` if the sample has none of its own: it was neither planned nor audited,
+    /// or there was no room ([`Settings::ray_samples`]). Audited samples of frames in bands are left out. `plan` is
+    /// [`Intermediates::plan`](crate::Intermediates::plan); it is not read for techniques without a plan.
     pub fn place(&self, plan: &[PlanWord], x: u32, y: u32, rank: u32) -> Option<usize> {
         if rank < self.ranks {
             return Some(self.slots.sample(x, y, rank));

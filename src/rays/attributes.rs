@@ -12,8 +12,8 @@ pub struct Attributes {
     pub tangent: [f32; 4],
     /// Texture coordinates.
     pub uv: [f32; 2],
-    /// The host's own 32 bits. Where the vertices of a triangle differ, each of the four bytes is interpolated, as those
-    /// of a colour; a triangle whose vertices have the same bits keeps them.
+    /// The host's own 32 bits. Where the vertices of a triangle differ, each of the four bytes is interpolated, as
+    /// those of a colour; a triangle whose vertices have the same bits keeps them.
     pub user: u32,
 }
 

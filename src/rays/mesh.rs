@@ -55,7 +55,8 @@ impl BottomLevel {
     }
 
     /// Checks the mesh without building a BVH, for a scene that is only drawn
-    /// ([`RayScene::for_visibility`](super::RayScene::for_visibility)) or traced by the adapter ([`RayTier::Query`](super::RayTier::Query)).
+    /// ([`RayScene::for_visibility`](super::RayScene::for_visibility)) or traced by the adapter
+    /// ([`RayTier::Query`](super::RayTier::Query)).
     pub fn untraced(mesh: &Mesh<'_>) -> Result<Self, RayError> {
         Self::check(mesh)?;
         let triangles = (0..).zip(mesh.indices.as_chunks::<3>().0).map(|(id, &[a, b, c])| [a, b, c, id]).collect();

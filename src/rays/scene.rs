@@ -173,8 +173,8 @@ impl RayScene {
         Self::empty(device, Some(tier), None)
     }
 
-    /// An empty scene for a visibility buffer, and for rays if there is a tier. Its meshes need attributes. Without rays
-    /// they need no tree: see [`BottomLevel::untraced`].
+    /// An empty scene for a visibility buffer, and for rays if there is a tier. Its meshes need attributes. Without
+    /// rays they need no tree: see [`BottomLevel::untraced`].
     pub fn for_visibility(device: &wgpu::Device, rays: Option<RayTier>) -> Self {
         Self::empty(device, rays, Some(Growing::new(device, "drawn instances")))
     }
@@ -272,8 +272,8 @@ impl RayScene {
     }
 
     /// Moves the vertices of a mesh, for a visibility buffer that shows it deformed: skinned or morphed. There is a
-    /// position and a set of attributes for each vertex that [`add`](Self::add) got. No tree is rebuilt, so rays may miss
-    /// what has moved: [`add`](Self::add) the deformed mesh anew if frames trace it.
+    /// position and a set of attributes for each vertex that [`add`](Self::add) got. No tree is rebuilt, so rays may
+    /// miss what has moved: [`add`](Self::add) the deformed mesh anew if frames trace it.
     pub fn deform(
         &self,
         queue: &wgpu::Queue,
@@ -457,8 +457,8 @@ impl RayScene {
         all.into_iter().flatten().map(|b| b.buffer.size()).sum()
     }
 
-    /// The triangles of a mesh: for rays in software in the order of the leaves, otherwise in that of the mesh, including
-    /// those without an area.
+    /// The triangles of a mesh: for rays in software in the order of the leaves, otherwise in that of the mesh,
+    /// including those without an area.
     fn order<'a>(&self, mesh: &'a BottomLevel) -> Cow<'a, [[u32; 4]]> {
         match (self.tier, &self.drawn) {
             (Some(RayTier::Software), None) => mesh.triangles[..].into(),

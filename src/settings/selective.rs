@@ -160,8 +160,8 @@ impl Selective {
         edge_aware_first: false,
     };
 
-    /// The thresholds, `None` where they are off: colour, then object, normal, shadow and texture of what pixels show, then
-    /// of what they reflect and refract.
+    /// The thresholds, `None` where they are off: colour, then object, normal, shadow and texture of what pixels show,
+    /// then of what they reflect and refract.
     pub(crate) fn thresholds(&self) -> [Option<f32>; 9] {
         let e = &self.enabled;
         [

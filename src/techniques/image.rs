@@ -49,8 +49,8 @@ mod tests {
     use super::*;
     use crate::passes::resolve;
 
-    /// Each view's number stands in one place of the shader that its pass runs: a case whose comment begins with the view's
-    /// name, or an entry point of its own.
+    /// Each view's number stands in one place of the shader that its pass runs: a case whose comment begins with the
+    /// view's name, or an entry point of its own.
     #[test]
     fn each_view_is_shown_by_the_entry_point_that_has_its_number() {
         let mut cases = Vec::new();

@@ -37,8 +37,9 @@ pub(crate) fn steps(settings: &Settings, inputs: RayInputs) -> Vec<Step> {
     of(settings.technique).steps(settings, inputs).0
 }
 
-/// The places of a window's shaded samples, in the order in which they are shaded, from the window's word of the plan. `None` if the plan
-/// has only their number, [`PlanWord::k`]: with [`Technique::Reconstructed`], which shades what its neighbours don't speak for.
+/// The places of a window's shaded samples, in the order in which they are shaded, from the window's word of the plan.
+/// `None` if the plan has only their number, [`PlanWord::k`]: with [`Technique::Reconstructed`], which shades what its
+/// neighbours don't speak for.
 pub fn shaded_places(settings: &Settings, m: u32, word: PlanWord) -> Option<Vec<(u8, u8)>> {
     let technique = of(settings.technique);
     let order = technique.order(settings, m);
@@ -46,7 +47,8 @@ pub fn shaded_places(settings: &Settings, m: u32, word: PlanWord) -> Option<Vec<
     Some(ranks.into_iter().filter_map(|rank| order.get(rank).copied()).collect())
 }
 
-/// The places of a window's samples in the order of their ranks, as the settings' technique has it: `sample_order(..)[rank] = (x, y)`.
+/// The places of a window's samples in the order of their ranks, as the settings' technique has it:
+/// `sample_order(..)[rank] = (x, y)`.
 ///
 /// # Panics
 /// If m is not in 1..=8.

@@ -1,8 +1,8 @@
-//! Every technique, execution, view and need over the built-in scenes: the same bits as were written down for this driver. Where
-//! another driver runs, techniques are held against each other instead.
+//! Every technique, execution, view and need over the built-in scenes: the same bits as were written down for this
+//! driver. Where another driver runs, techniques are held against each other instead.
 //!
-//! A run takes each scene at one m and on one tier; with `DEFERRED_AA_BITS=all` at two and on both. With `DEFERRED_AA_BITS=bless` it writes
-//! tests/bits.txt anew, for a change that is meant.
+//! A run takes each scene at one m and on one tier; with `DEFERRED_AA_BITS=all` at two and on both. With
+//! `DEFERRED_AA_BITS=bless` it writes tests/bits.txt anew, for a change that is meant.
 
 use crate::shadows::tiers;
 use deferred_aa::rays::RayTier;

@@ -13,7 +13,8 @@ use std::collections::BTreeSet;
 
 fn every_technique() -> impl Iterator<Item = Settings> {
     let plain = Technique::ALL.map(|technique| Settings { technique, ..Default::default() });
-    // By points alone; and with points that are other samples than a pixel's first, some of which the plan casts for again.
+    // By points alone; and with points that are other samples than a pixel's first, some of which the plan casts for
+    // again.
     let by_points = MultiResolution { supersampled: false, ..Default::default() };
     let shifted = MultiResolution { supersampled: true, ..MultiResolution::PAPER };
     let of =
@@ -93,8 +94,8 @@ fn garden() -> (Scene, Camera) {
     (garden, looking(vec3(2.0, 6.0, 14.0), vec3(2.0, 0.0, 0.0), 0.1))
 }
 
-/// On every technique, one after the other: the colour of its tile's classes, of the lights that reach it, and of the rays that it sends,
-/// which are together those of the statistics.
+/// On every technique, one after the other: the colour of its tile's classes, of the lights that reach it, and of the
+/// rays that it sends, which are together those of the statistics.
 #[test]
 fn rays_are_shown_on_every_technique() {
     let (m, size) = (2, [61, 35]);

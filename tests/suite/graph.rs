@@ -1,5 +1,6 @@
-//! A small frame graph as a host might have one: it reorders passes, leaves out those that nobody needs, and gives the memory
-//! of resources that are not alive to others and to passes of its own. The image is that of `record`, bit for bit.
+//! A small frame graph as a host might have one: it reorders passes, leaves out those that nobody needs, and gives the
+//! memory of resources that are not alive to others and to passes of its own. The image is that of `record`, bit for
+//! bit.
 
 use crate::shadows::{host, host_on, tiers};
 use deferred_aa::rays::RayTier;
@@ -115,7 +116,8 @@ impl Memory {
         self.users.iter().all(|(_, [first, last])| at < *first || at > *last)
     }
 
-    /// What a pass of the host's does with memory that is its own now: NaN in every float, and no count that makes sense.
+    /// What a pass of the host's does with memory that is its own now: NaN in every float, and no count that makes
+    /// sense.
     fn spoil(&self, encoder: &mut wgpu::CommandEncoder, spoiled: &wgpu::Buffer) {
         match &self.physical {
             Owned::Buffer(buffer) => encoder.copy_buffer_to_buffer(spoiled, 0, buffer, 0, buffer.size()),

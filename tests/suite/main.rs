@@ -1,5 +1,5 @@
-//! All tests that need a GPU or real files, as one binary. Every test that renders checks at its end that wgpu had nothing
-//! to complain of.
+//! All tests that need a GPU or real files, as one binary. Every test that renders checks at its end that wgpu had
+//! nothing to complain of.
 
 mod api;
 mod bands;

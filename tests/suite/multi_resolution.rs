@@ -184,7 +184,8 @@ fn code_index(host: &Host, [x, y, rank]: [u32; 3]) -> usize {
     passed.slots.sample(x, y, rank)
 }
 
-/// Points that cast rays found what full supersampling does there, the others have what the twin makes of those around them.
+/// Points that cast rays found what full supersampling does there, the others have what the twin makes of those around
+/// them.
 #[test]
 fn rays_are_cast_where_the_twin_says() {
     for (name, size) in [("cornell", [56, 56]), ("shadows", [64, 36]), ("mirrors", [64, 36])] {

@@ -58,8 +58,8 @@ fn a_mirror_in_a_corner_is_its_own_tiles_matter() {
     assert_eq!(seen, [(64, 0), (64, 1), (64, 5), (64, 64)]);
 }
 
-/// With everything compiled ahead no frame waits: pipelines with more than it needs serve until its own are there, and the
-/// image is the same bit for bit, over all scenes.
+/// With everything compiled ahead no frame waits: pipelines with more than it needs serve until its own are there, and
+/// the image is the same bit for bit, over all scenes.
 #[test]
 fn pruned_and_unpruned_images_are_the_same_bits() {
     for name in builtin::NAMES {
@@ -92,7 +92,8 @@ fn pruned_and_unpruned_images_are_the_same_bits() {
     }
 }
 
-/// What reflections and their hits would take has no part in frames that only cast shadows, though `Selective` would keep hits.
+/// What reflections and their hits would take has no part in frames that only cast shadows, though `Selective` would
+/// keep hits.
 #[test]
 fn shadows_alone_are_not_refused_for_the_room_of_reflections() {
     let adapter = gpu::choose(std::env::var("WGPU_ADAPTER_NAME").ok().as_deref()).expect("tests need an adapter");

@@ -481,7 +481,8 @@ fn a_world_far_away_is_traced_alike_on(mut tracer: Tracer) {
     assert_eq!(tracer.gpu.take_errors(), Vec::<String>::new());
 }
 
-/// The holes of a masked mesh, and the back faces of the object that a ray passes through, against the twin without them.
+/// The holes of a masked mesh, and the back faces of the object that a ray passes through, against the twin without
+/// them.
 #[test]
 fn holes_and_back_faces_let_rays_through() {
     on_each_tier(|mut tracer| {

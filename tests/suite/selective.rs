@@ -167,8 +167,8 @@ fn plans_and_images_are_the_twins() {
     assert!(seen[..3].iter().all(|&q| q > 1000) && seen[4] > 1000, "{seen:?}");
 }
 
-/// At m = 4 with every quadrant active, and at m = 2 and 3 as well, the image is that of `Full`; at any m, k is 16 samples and
-/// perhaps the first; with none, that of `Single`.
+/// At m = 4 with every quadrant active, and at m = 2 and 3 as well, the image is that of `Full`; at any m, k is 16
+/// samples and perhaps the first; with none, that of `Single`.
 #[test]
 fn all_and_nothing_are_full_and_single() {
     for m in 1..=8 {
@@ -198,7 +198,8 @@ fn all_and_nothing_are_full_and_single() {
     }
 }
 
-/// A threshold takes what its attribute disagrees on, whatever the colours at 0, nothing at 1, and less the higher it is.
+/// A threshold takes what its attribute disagrees on, whatever the colours at 0, nothing at 1, and less the higher it
+/// is.
 #[test]
 fn each_threshold_alone_takes_its_attribute() {
     let marks = importance();
@@ -268,7 +269,8 @@ fn the_focus_is_on_an_object() {
     assert!(count(&half) > 0 && count(&half) < count(&focused), "{} {}", count(&half), count(&focused));
 }
 
-/// The planned ranks have the bits that `Full` traced, the plan is the twin's from these, and what is reflected is told apart.
+/// The planned ranks have the bits that `Full` traced, the plan is the twin's from these, and what is reflected is told
+/// apart.
 #[test]
 fn plans_with_rays_are_the_twins() {
     for (name, m, size) in
@@ -371,7 +373,8 @@ fn reflections_are_selected_by_what_they_meet() {
     assert!(with > without + 0.5, "{with} dB with them, {without} without");
 }
 
-/// Shadow edges on one plane in one colour are selected by shadow alone, and Selective comes nearer to `Full` than `Single`.
+/// Shadow edges on one plane in one colour are selected by shadow alone, and Selective comes nearer to `Full` than
+/// `Single`.
 #[test]
 fn shadow_edges_are_selected() {
     let scene = builtin::builtin("shadows").unwrap();

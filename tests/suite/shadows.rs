@@ -116,7 +116,8 @@ fn bits_are_those_of_the_twin_on_each_tier() {
     }
 }
 
-/// The passes, memory and images of frames that need no ray, that need some, and that trace though nothing calls for it.
+/// The passes, memory and images of frames that need no ray, that need some, and that trace though nothing calls for
+/// it.
 #[test]
 fn what_is_not_needed_is_not_there() {
     for name in ["flat", "empty", "checker"] {
@@ -268,7 +269,8 @@ fn surfaces_do_not_shadow_themselves() {
     }
 }
 
-/// Vertices far from their mesh's own origin, moved back by the instance: rays round there, and nothing shadows itself for it.
+/// Vertices far from their mesh's own origin, moved back by the instance: rays round there, and nothing shadows itself
+/// for it.
 #[test]
 fn vertices_far_from_their_own_origin_do_not_shadow_themselves() {
     for own in [300.0f32, 5e3, 1e5] {
@@ -358,7 +360,8 @@ fn shadows_far_from_the_origin_are_the_same() {
     assert!(psnr >= 60.0, "{psnr} dB");
 }
 
-/// A light at the surface, behind it, at zero distance, with a zero, tiny or infinite range, and a camera in a closed box.
+/// A light at the surface, behind it, at zero distance, with a zero, tiny or infinite range, and a camera in a closed
+/// box.
 #[test]
 fn lights_in_odd_places() {
     let camera = looking(vec3(0.2, 2.0, 1.5), Vec3::ZERO, 0.01);

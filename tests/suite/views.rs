@@ -1,4 +1,5 @@
-//! Several views a frame: nodes beside each other, and one node for all, by G-buffers that a host lends it or renders anew.
+//! Several views a frame: nodes beside each other, and one node for all, by G-buffers that a host lends it or renders
+//! anew.
 
 use crate::harness::{self, SHOW_USER, Sample, fill, noise, rgba8};
 use deferred_aa::glam::{Mat4, Vec2, Vec3};

@@ -234,7 +234,8 @@ fn every_attribute_is_the_twins() {
                     continue;
                 };
                 covered += 1;
-                // Edge-on, f32 can't say where the ray meets the plane; at the limit of the tolerance, which way it goes.
+                // Edge-on, f32 can't say where the ray meets the plane; at the limit of the tolerance, which way it
+                // goes.
                 let limit =
                     seen.weights.map(|w| (w + 0.25).abs().min((w - 1.25).abs())).into_iter().fold(1.0, f64::min);
                 if seen.facing.abs() < 2e-3 || limit < 1e-3 {
@@ -568,8 +569,8 @@ fn more_materials_than_a_sample_can_name_are_refused() {
     Host::new(gpu, scene, options).map(|_| ()).expect("as many as there are names");
 }
 
-/// Two flat triangles of one double-sided wall, wound oppositely: both show the same normal, so that the metric of normals
-/// sees no edge between them, from either side.
+/// Two flat triangles of one double-sided wall, wound oppositely: both show the same normal, so that the metric of
+/// normals sees no edge between them, from either side.
 #[test]
 fn flat_triangles_show_the_normal_of_their_visible_side() {
     if !has_ids() {

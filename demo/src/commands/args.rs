@@ -25,7 +25,8 @@ pub struct ViewArgs {
 /// What to look at, and at which size: shared by all commands that render.
 #[derive(Debug, Clone, clap::Args)]
 pub struct SceneArgs {
-    /// A built-in scene (atrium, fence, checker, spheres, cornell, shadows, mirrors, flat, empty) or a .gltf or .glb file.
+    /// A built-in scene (atrium, fence, checker, spheres, cornell, shadows, mirrors, flat, empty) or a .gltf or .glb
+    /// file.
     #[arg(long, default_value = "atrium")]
     pub scene: String,
     /// Which scene of a glTF file that has several, from 0; its default scene if not given.
@@ -34,8 +35,8 @@ pub struct SceneArgs {
     /// Pixels, WIDTHxHEIGHT.
     #[arg(long, default_value = "960x540", value_parser = parse_size)]
     pub size: (u32, u32),
-    /// x,y,z,tx,ty,tz[,fov]: from where, to where, vertical field of view in degrees; else the scene's own camera, or one
-    /// that frames it.
+    /// x,y,z,tx,ty,tz[,fov]: from where, to where, vertical field of view in degrees; else the scene's own camera, or
+    /// one that frames it.
     #[arg(long, allow_hyphen_values = true, value_parser = parse_camera)]
     pub camera: Option<CameraArg>,
     /// Runs the light loop this often, to stand for costly shading.

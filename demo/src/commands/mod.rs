@@ -28,13 +28,17 @@ enum Command {
     Render(render::Render),
     /// Renders a scene by Single, Windowed and Full, draws a comparison strip and prints a table.
     Demo(demo::Demo),
-    /// Measures techniques over their settings against the truth: report.html, report.json, and pictures of every entry.
+    /// Measures techniques over their settings against the truth: report.html, report.json, and pictures of every
+    /// entry.
     Report(report::Report),
-    /// Searches the settings of a technique for presets that reach given errors with the fewest samples on several scenes.
+    /// Searches the settings of a technique for presets that reach given errors with the fewest samples on several
+    /// scenes.
     Tune(tune::Tune),
-    /// Opens a window: every setting on a control, two of them side by side, what each costs and how near it comes, live.
+    /// Opens a window: every setting on a control, two of them side by side, what each costs and how near it comes,
+    /// live.
     View(view::View),
-    /// Writes the shaders of a technique in another language, with a table of what they bind: for engines that aren't on wgpu.
+    /// Writes the shaders of a technique in another language, with a table of what they bind: for engines that aren't
+    /// on wgpu.
     Shaders(shaders::Shaders),
     /// Lists the graphics adapters and what each can run.
     Adapters,

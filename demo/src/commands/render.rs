@@ -18,8 +18,8 @@ pub struct Render {
     view: ViewArgs,
     #[command(flatten)]
     settings: SettingsArgs,
-    /// An error or a time to keep to, such as error=0.01 (40 dB) or time=8 (milliseconds of the node): renders until the
-    /// search rests, and says how it ended.
+    /// An error or a time to keep to, such as error=0.01 (40 dB) or time=8 (milliseconds of the node): renders until
+    /// the search rests, and says how it ended.
     #[arg(long, value_name = "error=E|time=MS", value_parser = goal::parse)]
     goal: Option<Goal>,
     /// Measured frames, after one that warms up.

@@ -19,20 +19,20 @@ use std::path::PathBuf;
 pub struct Report {
     #[command(flatten)]
     view: SceneArgs,
-    /// Samples along one side of a pixel's window, each 1 to 8, separated by commas. The truth, Single and the peers are
-    /// the same for all.
+    /// Samples along one side of a pixel's window, each 1 to 8, separated by commas. The truth, Single and the peers
+    /// are the same for all.
     #[arg(long, short, value_delimiter = ',', default_value = "2,3,4")]
     m: Vec<u32>,
     /// What is measured, separated by commas; everything if not given: full, single, windowed, reconstructed,
-    /// selective, multiresolution, fxaa, smaa. Cost curves need the first three, the papers' tables full and selective, or single
-    /// and multiresolution.
+    /// selective, multiresolution, fxaa, smaa. Cost curves need the first three, the papers' tables full and selective,
+    /// or single and multiresolution.
     #[arg(long, value_delimiter = ',')]
     techniques: Vec<String>,
     /// Any field of the settings by its path, for all entries; may be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     settings: Vec<String>,
-    /// The object that the papers' focused rows are about, by its number or the name of its mesh; may be repeated. One in
-    /// the picture's middle if not given.
+    /// The object that the papers' focused rows are about, by its number or the name of its mesh; may be repeated. One
+    /// in the picture's middle if not given.
     #[arg(long, value_name = "OBJECT")]
     focus: Vec<String>,
     /// Fewer settings, frames and points of curves, and a truth of 256 samples a pixel, not 1024.
@@ -44,7 +44,8 @@ pub struct Report {
     /// Takes up what an earlier run of the same report has finished in --out, and measures the rest.
     #[arg(long)]
     resume: bool,
-    /// Where truths are kept from one report to the next: $XDG_CACHE_HOME/deferred-aa or ~/.cache/deferred-aa if not given.
+    /// Where truths are kept from one report to the next: $XDG_CACHE_HOME/deferred-aa or ~/.cache/deferred-aa if not
+    /// given.
     #[arg(long, value_name = "DIR")]
     cache: Option<PathBuf>,
 }

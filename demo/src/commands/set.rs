@@ -11,7 +11,8 @@ use std::path::PathBuf;
 /// The settings of a frame: shared by the commands that take one set of them.
 #[derive(Debug, clap::Args)]
 pub struct SettingsArgs {
-    /// full, single, windowed, reconstructed, selective or multiresolution; windowed, or that of --settings, if not given.
+    /// full, single, windowed, reconstructed, selective or multiresolution; windowed, or that of --settings, if not
+    /// given.
     #[arg(long, value_parser = parse_technique)]
     technique: Option<Technique>,
     /// The settings of windowed: fast, balanced or quality; balanced if not given.
@@ -20,7 +21,8 @@ pub struct SettingsArgs {
     /// Settings that the viewer saved.
     #[arg(long = "settings", value_name = "FILE")]
     file: Option<PathBuf>,
-    /// On top of these, any field of the settings by its path, such as windowed.luminance_scale=40 or execution=loop; may be repeated.
+    /// On top of these, any field of the settings by its path, such as windowed.luminance_scale=40 or execution=loop;
+    /// may be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     settings: Vec<String>,
 }

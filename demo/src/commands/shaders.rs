@@ -29,8 +29,8 @@ pub struct Shaders {
     /// How daa_texture reaches textures: none, arrays or bindings; of the demo's own shading, arrays if not given.
     #[arg(long)]
     textures: Option<TierArg>,
-    /// Who traces rays, where effects are set on (--set shadows=on, reflections=on, refraction=on): software (a structure in
-    /// buffers) or query (ray query).
+    /// Who traces rays, where effects are set on (--set shadows=on, reflections=on, refraction=on): software (a
+    /// structure in buffers) or query (ray query).
     #[arg(long, default_value = "software")]
     rays: RayArg,
     /// What the G-buffer keeps of a sample: stored (its attributes) or visibility (its triangle).

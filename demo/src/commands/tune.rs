@@ -20,8 +20,8 @@ pub struct Tune {
     /// Whose settings are searched: windowed, selective or multiresolution.
     #[arg(long, default_value = "windowed", value_parser = parse_tunable)]
     technique: &'static str,
-    /// A built-in scene or a .gltf or .glb file, with its camera after an @ if not its own: FILE@x,y,z,tx,ty,tz,fov. May be
-    /// repeated; all built-in scenes but flat and empty if not given.
+    /// A built-in scene or a .gltf or .glb file, with its camera after an @ if not its own: FILE@x,y,z,tx,ty,tz,fov.
+    /// May be repeated; all built-in scenes but flat and empty if not given.
     #[arg(long = "scene", value_name = "NAME|FILE[@CAMERA]")]
     scenes: Vec<String>,
     /// Pixels, WIDTHxHEIGHT, of every scene.

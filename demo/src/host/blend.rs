@@ -9,9 +9,9 @@ use deferred_aa::gbuffer::DEPTH_FORMAT;
 use deferred_aa::{CONTRACT_WGSL, DeferredAa, Depth, TextureTier};
 use glam::{DMat4, DVec3, Vec4};
 
-/// The depth that blended surfaces are tested against. A pixel at the edge of what hides them is theirs as long as one of
-/// its samples is: against the nearest, what lies behind them would shine through along such edges, and surfaces just
-/// above a slanted one would be pierced by it.
+/// The depth that blended surfaces are tested against. A pixel at the edge of what hides them is theirs as long as one
+/// of its samples is: against the nearest, what lies behind them would shine through along such edges, and surfaces
+/// just above a slanted one would be pierced by it.
 pub const DEPTH: Depth = Depth::Farthest;
 
 /// The pipeline and per-frame buffers.
@@ -153,8 +153,8 @@ impl Blend {
     }
 }
 
-/// The blended triangles that are seen, the farthest first. Those of one distance are ordered by their meshes, so that it
-/// makes no difference how the scene lists its instances.
+/// The blended triangles that are seen, the farthest first. Those of one distance are ordered by their meshes, so that
+/// it makes no difference how the scene lists its instances.
 fn back_to_front(scene: &Scene, camera: &deferred_aa::Camera) -> Vec<Triangle> {
     let eye = camera.world_from_view.w_axis.truncate().as_dvec3();
     let back = camera.world_from_view.z_axis.truncate().as_dvec3();

@@ -82,15 +82,16 @@ impl Gpu {
         Self::with(adapter.clone(), requirements.features, adapter.limits())
     }
 
-    /// A device of wgpu's backend that draws nothing, on any machine, for nodes of this descriptor: it checks and counts.
+    /// A device of wgpu's backend that draws nothing, on any machine, for nodes of this descriptor: it checks and
+    /// counts.
     pub fn drawing_nothing(descriptor: &Descriptor<'_>) -> Result<Self, GpuError> {
         let mut wanted = wgpu::InstanceDescriptor::new_without_display_handle();
         wanted.backends = wgpu::Backends::NOOP;
         wanted.backend_options.noop.enable = true;
         let adapters = pollster::block_on(wgpu::Instance::new(wanted).enumerate_adapters(wgpu::Backends::NOOP));
         let adapter = adapters.into_iter().next().ok_or(GpuError::NoAdapter(None))?;
-        // Whatever the host's WGSL asks for, some machine has it. The adapter says of no format that it can be stored to, so what
-        // it says of formats is not asked for.
+        // Whatever the host's WGSL asks for, some machine has it. The adapter says of no format that it can be stored
+        // to, so what it says of formats is not asked for.
         let needed = DeferredAa::requirements(&adapter, descriptor).features;
         let besides =
             wgpu::Features::all_experimental_mask() | wgpu::Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES;

@@ -11,8 +11,8 @@ pub struct Level {
     pub rgba: Vec<u8>,
 }
 
-/// Levels from the picture itself to 1 × 1, each a box filter of the one before. `srgb`: colour is decoded first; alpha and
-/// data textures are averaged as they are.
+/// Levels from the picture itself to 1 × 1, each a box filter of the one before. `srgb`: colour is decoded first; alpha
+/// and data textures are averaged as they are.
 pub fn chain(width: u32, height: u32, rgba: &[u8], srgb: bool) -> Vec<Level> {
     let mut levels = vec![Level { width, height, rgba: rgba.to_vec() }];
     let mut texels: Vec<[f32; 4]> = rgba.as_chunks::<4>().0.iter().map(|&t| decode(t, srgb)).collect();
@@ -34,7 +34,8 @@ pub fn resize(width: u32, height: u32, rgba: &[u8], srgb: bool, to: (u32, u32)) 
     resized.pixels().flat_map(|p| encode(p.0, srgb)).collect()
 }
 
-/// A box over the two texels of an even side, the three of an odd one (weighted by their share), so that nothing drifts.
+/// A box over the two texels of an even side, the three of an odd one (weighted by their share), so that nothing
+/// drifts.
 fn halve(texels: &[[f32; 4]], w: u32, h: u32) -> Vec<[f32; 4]> {
     let taps = |i: u32, side: u32| -> Vec<(usize, f32)> {
         let half = (side / 2).max(1);

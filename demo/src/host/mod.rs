@@ -233,8 +233,8 @@ fn target(device: &wgpu::Device, width: u32, height: u32) -> (wgpu::Texture, wgp
 }
 
 impl Options {
-    /// Options for pictures of this size: textures in arrays, no stall, an anisotropy of 16, rays in software and a stored
-    /// G-buffer.
+    /// Options for pictures of this size: textures in arrays, no stall, an anisotropy of 16, rays in software and a
+    /// stored G-buffer.
     pub fn new(width: u32, height: u32, m: u32) -> Self {
         let (textures, rays, gbuffer) = (TextureTier::Arrays, RayTier::Software, GBufferTier::default());
         Self { width, height, m, textures, stall: 1, anisotropy: 16, rays, gbuffer }
@@ -340,8 +340,8 @@ impl Host {
         self.frame_of_bands(camera, settings, &bands, Self::raster, |_, _| ())
     }
 
-    /// [`frame_with`](Self::frame_with) in these bands. `fill` makes the G-buffer of each, and `done` follows when the GPU
-    /// has finished with it.
+    /// [`frame_with`](Self::frame_with) in these bands. `fill` makes the G-buffer of each, and `done` follows when the
+    /// GPU has finished with it.
     pub fn frame_of_bands(
         &mut self,
         camera: deferred_aa::Camera,
@@ -403,7 +403,8 @@ impl Host {
         self.peak
     }
 
-    /// [`frame`](Self::frame) that `record` records in place of [`DeferredAa::record`]: for graphs that order passes themselves.
+    /// [`frame`](Self::frame) that `record` records in place of [`DeferredAa::record`]: for graphs that order passes
+    /// themselves.
     pub fn frame_by(
         &mut self,
         camera: &Camera,
@@ -417,8 +418,8 @@ impl Host {
         Ok(self.aa.statistics().ok_or(HostError::NoStatistics)?.clone())
     }
 
-    /// [`frame`](Self::frame) over the last frame's G-buffer, which must be of the same camera: for many settings on one
-    /// view.
+    /// [`frame`](Self::frame) over the last frame's G-buffer, which must be of the same camera: for many settings on
+    /// one view.
     pub fn shade_again(&mut self, camera: &Camera, settings: Settings) -> Result<Shot, HostError> {
         if self.memory.is_some() {
             // The G-buffer may hold the last band alone.
@@ -646,8 +647,8 @@ impl Host {
         pixels.map(|(x, y)| plan[passed.slots.pixel(x, y)]).collect()
     }
 
-    /// The rays that each sample of the last frame sent, which showed [`DebugView::Rays`]: pixel by pixel from the top, by rank. Empty where
-    /// was traced. Waits.
+    /// The rays that each sample of the last frame sent, which showed [`DebugView::Rays`]: pixel by pixel from the top,
+    /// by rank. Empty where was traced. Waits.
     pub fn sent(&self, traced: [bool; 2]) -> Vec<Sent> {
         let Some(passed) = self.aa.intermediates().filter(|_| traced != [false; 2]) else { return Vec::new() };
         let read = |buffer: Option<&wgpu::Buffer>, is: bool| -> Vec<u32> {

@@ -76,8 +76,9 @@ pub fn node_camera(camera: &Camera, width: u32, height: u32) -> deferred_aa::Cam
     deferred_aa::Camera { world_from_view, clip_from_view }
 }
 
-/// The camera of a picture that is `size` pixels of the picture of `camera`, from `at` on, in pixels of its `full` size.
-/// The samples keep their places to a fraction of a pixel, so that a shift by part of a pixel gives samples in between.
+/// The camera of a picture that is `size` pixels of the picture of `camera`, from `at` on, in pixels of its `full`
+/// size. The samples keep their places to a fraction of a pixel, so that a shift by part of a pixel gives samples in
+/// between.
 pub fn crop(camera: deferred_aa::Camera, full: Vec2, at: Vec2, size: Vec2) -> deferred_aa::Camera {
     let scale = full / size;
     let shift = (full - 2.0 * at) / size - 1.0;

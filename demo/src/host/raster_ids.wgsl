@@ -1,5 +1,5 @@
-// A visibility buffer: vertices with no more than their position, and fragments that name their triangle. Joined with the
-// packing, the texture table, material.wgsl, vertices.wgsl and raster.wgsl.
+// A visibility buffer: vertices with no more than their position, and fragments that name their triangle. Joined with
+// the packing, the texture table, material.wgsl, vertices.wgsl and raster.wgsl.
 
 struct Placed {
     @builtin(position) clip: vec4f,

@@ -145,8 +145,8 @@ pub fn casting_lights(scene: &Scene, sun: bool) -> Vec<CastingLight> {
 /// Materials smooth enough to be traced as mirrors, by perceptual roughness.
 const MIRROR_ROUGHNESS: f32 = 0.2;
 
-/// The materials that reflect as a mirror or let light through. Those whose metal is painted by a texture are left out: their
-/// roughness is not known here.
+/// The materials that reflect as a mirror or let light through. Those whose metal is painted by a texture are left out:
+/// their roughness is not known here.
 pub fn reflective(scene: &Scene) -> Vec<u32> {
     let sends = |m: &scene::Material| {
         let mirror = m.metallic >= 0.5 && m.metallic_roughness_texture.is_none();

@@ -103,8 +103,8 @@ struct Brdf {
     n_dot_v: f32,
 }
 
-/// Lambert and GGX with height-correlated Smith visibility (Heitz 2014) and Schlick's Fresnel term, as glTF's appendix B.
-/// Times n·l.
+/// Lambert and GGX with height-correlated Smith visibility (Heitz 2014) and Schlick's Fresnel term, as glTF's appendix
+/// B. Times n·l.
 fn reflected(b: Brdf, l: vec3f) -> vec3f {
     let n_dot_l = dot(b.normal, l);
     if n_dot_l <= 0.0 {
@@ -174,8 +174,8 @@ fn light(f: DaaSurface, m: DaaMaterial) -> vec4f {
         direct = lit(f, b);
     }
 
-    // The sky: its mean over the hemisphere for the diffuse part, and Lazarov's 2013 fit for the specular one, which falls
-    // below 0 where f0 is 0.
+    // The sky: its mean over the hemisphere for the diffuse part, and Lazarov's 2013 fit for the specular one, which
+    // falls below 0 where f0 is 0.
     let mirrored = reflect(-f.view, b.normal);
     let blurred = mix(sky_radiance(mirrored), sky_radiance(b.normal) * 0.5 + lighting.horizon.rgb * 0.5, roughness);
     let r = roughness * vec4f(-1.0, -0.0275, -0.572, 0.022) + vec4f(1.0, 0.0425, 1.04, -0.04);

@@ -281,8 +281,8 @@ fn sampler(t: &Texture, anisotropy: u16) -> TableSampler {
     TableSampler { address_u: address(t.wrap_u), address_v: address(t.wrap_v), nearest: t.nearest, anisotropy }
 }
 
-/// One texture for each image in each colour space that is asked for, and where needed resized so that the array tier has
-/// few enough classes; on both tiers alike, so that both give the same picture.
+/// One texture for each image in each colour space that is asked for, and where needed resized so that the array tier
+/// has few enough classes; on both tiers alike, so that both give the same picture.
 fn upload_textures(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
@@ -335,8 +335,8 @@ fn upload_textures(
     Ok((textures, notices))
 }
 
-/// The sizes to upload, so that textures fall into at most [`MAX_CLASSES`] classes: as they are if they do, else the pair of
-/// sizes whose union costs the fewest texels is enlarged to it, again and again.
+/// The sizes to upload, so that textures fall into at most [`MAX_CLASSES`] classes: as they are if they do, else the
+/// pair of sizes whose union costs the fewest texels is enlarged to it, again and again.
 fn common_sizes(textures: &[Texture], natural: &[(u32, u32)]) -> (Vec<(u32, u32)>, Vec<String>) {
     let mut sizes = natural.to_vec();
     let mut notices = Vec::new();

@@ -3,8 +3,8 @@
 use crate::scene::{Instance, Mesh, Scene};
 use glam::{DMat3, DMat4, DVec2, DVec3, DVec4};
 
-/// The first target that a stored G-buffer would have: the code of the normal (octahedral 16+16), and material and object.
-/// `width` is that of the ids in samples.
+/// The first target that a stored G-buffer would have: the code of the normal (octahedral 16+16), and material and
+/// object. `width` is that of the ids in samples.
 pub fn surfaces(
     scene: &Scene,
     camera: &deferred_aa::Camera,

@@ -1,4 +1,5 @@
-//! References, which pictures are held against: a regular grid of samples in each pixel, all of them shaded, and their mean.
+//! References, which pictures are held against: a regular grid of samples in each pixel, all of them shaded, and their
+//! mean.
 
 use crate::host::raster::crop;
 use crate::picture::Picture;
@@ -16,8 +17,8 @@ pub fn truth(base: Settings) -> Settings {
     grid(Settings { shadows, reflections, refraction, ..Settings::default() })
 }
 
-/// The mean of `side`² samples a pixel: frames of all m² samples, each moved by part of a pixel, so that all of them together lie on
-/// a regular grid.
+/// The mean of `side`² samples a pixel: frames of all m² samples, each moved by part of a pixel, so that all of them
+/// together lie on a regular grid.
 #[derive(Debug)]
 pub struct MovedFrames {
     width: u32,
@@ -91,7 +92,8 @@ mod tests {
         }
         assert_eq!(frames.progress(), (16, 16));
         assert_eq!(frames.mean().rgba[0], [7.5, 1.0, 0.0, 1.0]);
-        // The samples of a window of 2 × 2 are half a pixel apart: four moves along a side, an eighth of a pixel apart, fill that.
+        // The samples of a window of 2 × 2 are half a pixel apart: four moves along a side, an eighth of a pixel apart,
+        // fill that.
         let expected = [3.0, 1.0, -1.0, -3.0].map(|sixteenths| sixteenths / 16.0);
         for (i, found) in moves.iter().enumerate() {
             let expected = Vec2::new(expected[i % 4], expected[i / 4]);

@@ -182,8 +182,8 @@ impl Stats {
         })
     }
 
-    /// Time of a sample beyond the first over the time of a sample of `full`, both by the pass `shade`. `None` where there
-    /// are no such samples or no times.
+    /// Time of a sample beyond the first over the time of a sample of `full`, both by the pass `shade`. `None` where
+    /// there are no such samples or no times.
     pub fn beta(&self, full: &Self, pixels: u64) -> Option<f64> {
         let extra = self.samples.shaded.checked_sub(pixels).filter(|&e| e > 0)?;
         let of = |stats: &Self| Some(stats.time_ms.get(SHADE)?.median);

@@ -1,4 +1,5 @@
-//! How much a technique flickers: the deviation over time of its error, while the camera moves by less than a pixel a frame.
+//! How much a technique flickers: the deviation over time of its error, while the camera moves by less than a pixel a
+//! frame.
 
 use crate::host::raster::node_camera;
 use crate::measure::quality::{self, QualityError};
@@ -12,11 +13,11 @@ pub const FRAMES: u32 = 64;
 /// A slow movement of the camera.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Motion {
-    /// The image moves to the right by [`PAN_STEP`] pixels a frame, a whole pixel over [`FRAMES`]. The lens is shifted and not
-    /// the eye, so that every surface moves alike, whatever its distance, and keeps its shading.
+    /// The image moves to the right by [`PAN_STEP`] pixels a frame, a whole pixel over [`FRAMES`]. The lens is shifted
+    /// and not the eye, so that every surface moves alike, whatever its distance, and keeps its shading.
     Pan,
-    /// The camera turns to its left about its up axis, so that what it looks at moves by [`TURN_STEP`] pixels a frame, four over
-    /// [`FRAMES`]. Shading and perspective change with the view.
+    /// The camera turns to its left about its up axis, so that what it looks at moves by [`TURN_STEP`] pixels a frame,
+    /// four over [`FRAMES`]. Shading and perspective change with the view.
     Turn,
 }
 
@@ -96,7 +97,8 @@ impl Flicker {
         Self { frames: 0, pixels: vec![Default::default(); pixels] }
     }
 
-    /// The next frame: what the technique made of it, and what it should have made. Nothing is taken in if it is refused.
+    /// The next frame: what the technique made of it, and what it should have made. Nothing is taken in if it is
+    /// refused.
     pub fn push(&mut self, image: &Picture, truth: &Picture) -> Result<(), QualityError> {
         quality::check(image, truth)?;
         if image.rgba.len() != self.pixels.len() {

@@ -28,8 +28,8 @@ impl Display {
     }
 }
 
-/// The linear radiance that is displayed as this 8-bit value: in the middle of what rounds to it, but for 255, which begins
-/// where 254 ends and goes on to infinity.
+/// The linear radiance that is displayed as this 8-bit value: in the middle of what rounds to it, but for 255, which
+/// begins where 254 ends and goes on to infinity.
 pub fn radiance(shown: u8) -> f32 {
     let shown = if shown == 255 { 254.75 } else { f64::from(shown) } / 255.0;
     let linear = if shown <= 0.040_45 { shown / 12.92 } else { ((shown + 0.055) / 1.055).powf(2.4) };

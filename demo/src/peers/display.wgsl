@@ -1,4 +1,5 @@
-// display: from linear HDR to what a screen shows, as `picture::display` on the CPU. Alpha is the luma that FXAA looks at.
+// display: from linear HDR to what a screen shows, as `picture::display` on the CPU. Alpha is the luma that FXAA looks
+// at.
 
 @group(0) @binding(0) var image: texture_2d<f32>;
 

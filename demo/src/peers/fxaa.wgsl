@@ -102,7 +102,8 @@ fn fxaa_fragment(@builtin(position) at: vec4f) -> @location(0) vec4f {
     let one = follow(centre + 0.5 * across, -along, edge_luma, enough);
     let two = follow(centre + 0.5 * across, along, edge_luma, enough);
 
-    // Near an end the edge has crossed half of this pixel, in the middle none. Only on the side that it has crossed into.
+    // Near an end the edge has crossed half of this pixel, in the middle none. Only on the side that it has crossed
+    // into.
     let nearer_rise = select(two.rise, one.rise, one.distance < two.distance);
     let crossed = (nearer_rise < 0.0) != (own.a < edge_luma);
     let edge_move = 0.5 - min(one.distance, two.distance) / (one.distance + two.distance);

@@ -1,5 +1,5 @@
-//! The peers: anti-aliasing of a finished image, to measure against. They look at what a screen shows, as both were made
-//! to do: radiance goes through `display` (c/(1+c), then sRGB) into 8 bits first, and that counts as their time.
+//! The peers: anti-aliasing of a finished image, to measure against. They look at what a screen shows, as both were
+//! made to do: radiance goes through `display` (c/(1+c), then sRGB) into 8 bits first, and that counts as their time.
 
 mod display;
 mod fxaa;
@@ -54,8 +54,8 @@ pub struct Peers {
 /// What a peer took.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PeerShot {
-    /// On top of what made the image, `display` included: by GPU timestamps, from the begin of the peer's first pass to the
-    /// end of its last. SMAA's holds the time between its three submits too. `None` on a device without timestamps.
+    /// On top of what made the image, `display` included: by GPU timestamps, from the begin of the peer's first pass to
+    /// the end of its last. SMAA's holds the time between its three submits too. `None` on a device without timestamps.
     pub milliseconds: Option<f64>,
 }
 

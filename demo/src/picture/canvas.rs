@@ -36,8 +36,8 @@ impl Canvas {
         }
     }
 
-    /// A frame of `colour` with a dark rim around `r`, which lies in the picture `whole` whose corner is at (x, y). Where
-    /// `r` touches the picture's border, the frame stays inside.
+    /// A frame of `colour` with a dark rim around `r`, which lies in the picture `whole` whose corner is at (x, y).
+    /// Where `r` touches the picture's border, the frame stays inside.
     pub fn mark(&mut self, x: u32, y: u32, r: Rect, whole: Rect, colour: [u8; 3]) {
         for (outset, thickness, colour) in [(FRAME + 1, FRAME + 1, BACKGROUND), (FRAME, FRAME, colour)] {
             let (left, top) = (x + r.x.saturating_sub(outset), y + r.y.saturating_sub(outset));

@@ -23,8 +23,8 @@ pub fn heat(k: u32, n_max: u32) -> [u8; 3] {
     }
 }
 
-/// The colour map Inferno by Nathaniel Smith and Stéfan van der Walt, whose lightness is monotone: from near-black at 0 to pale yellow
-/// at 1.
+/// The colour map Inferno by Nathaniel Smith and Stéfan van der Walt, whose lightness is monotone: from near-black at 0
+/// to pale yellow at 1.
 pub(crate) fn inferno(t: f32) -> [u8; 3] {
     colorous::INFERNO.eval_continuous(f64::from(t)).into_array()
 }

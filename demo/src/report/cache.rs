@@ -1,7 +1,7 @@
 //! Truths that were rendered before, by what they depend on.
 //!
-//! A truth is an .exr of 32-bit floats beside a .json that says what it is and how many bytes and which hash the .exr has.
-//! The folder is `--cache`, else `$XDG_CACHE_HOME/deferred-aa`, else `~/.cache/deferred-aa`
+//! A truth is an .exr of 32-bit floats beside a .json that says what it is and how many bytes and which hash the .exr
+//! has. The folder is `--cache`, else `$XDG_CACHE_HOME/deferred-aa`, else `~/.cache/deferred-aa`
 //! (`%LOCALAPPDATA%\deferred-aa` on Windows). Everything in it may be deleted at any time.
 
 use super::ReportError;

@@ -1,7 +1,7 @@
 //! The folder of a report: pictures, and what is finished, each file whole or not there.
 //!
-//! What is finished lies in DIR/entries and DIR/parts with the fingerprint of what it depends on. `--resume` takes it up
-//! where the fingerprint is still the same.
+//! What is finished lies in DIR/entries and DIR/parts with the fingerprint of what it depends on. `--resume` takes it
+//! up where the fingerprint is still the same.
 
 use super::ReportError;
 use crate::files;

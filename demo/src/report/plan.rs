@@ -48,8 +48,8 @@ const ALL: Sweep = Sweep(
 );
 const QUICK: Sweep = Sweep(&[(0.0625, "1-16"), (0.25, "1-4"), (1.0, ""), (4.0, "4")], &[(0.25, "1-4"), (1.0, "")]);
 
-/// Thresholds of Selective, with their names in ids: τcol beside the settings as given, and τa (of colour and textures) beside the
-/// paper's settings as they stand.
+/// Thresholds of Selective, with their names in ids: τcol beside the settings as given, and τa (of colour and textures)
+/// beside the paper's settings as they stand.
 struct Thresholds {
     own: &'static [Scale],
     paper: &'static [Scale],
@@ -63,13 +63,15 @@ const FEW_THRESHOLDS: Thresholds = Thresholds { own: &[(0.3, "0-3")], paper: &[]
 const QUICK_THRESHOLDS: Thresholds = Thresholds { own: &[(0.3, "0-3")], paper: &[(0.1, "0-1")] };
 const NO_THRESHOLDS: Thresholds = Thresholds { own: &[], paper: &[] };
 
-/// color_threshold of MultiResolution beside the settings as given, for the greatest m, and how many of them with --quick.
+/// color_threshold of MultiResolution beside the settings as given, for the greatest m, and how many of them with
+/// --quick.
 const COLOR_THRESHOLDS: [Scale; 3] = [(0.02, "0-02"), (0.005, "0-005"), (0.05, "0-05")];
 const QUICK_COLOR_THRESHOLDS: usize = 1;
 
 /// All entries: by m, the greatest first, m = 1 last. `ms` holds no m twice.
 ///
-/// Single is also there at m = 1, where it is plain deferred shading without an enlarged G-buffer; the peers run on that.
+/// Single is also there at m = 1, where it is plain deferred shading without an enlarged G-buffer; the peers run on
+/// that.
 pub fn plan(ms: &[u32], techniques: &[&str], base: Settings, quick: bool) -> Vec<Planned> {
     let mut ms: Vec<_> = ms.iter().copied().filter(|&m| m > 1).collect();
     ms.sort_unstable_by(|a, b| b.cmp(a));
@@ -200,7 +202,8 @@ pub fn fitting(settings: Settings, (width, height): (u32, u32)) -> Settings {
     Settings { multi_resolution: MultiResolution { shading, rays, ..settings.multi_resolution }, ..settings }
 }
 
-/// The paper's settings at another τa, the threshold of colour and textures. At 1 it raises those of shadows with it (table 2).
+/// The paper's settings at another τa, the threshold of colour and textures. At 1 it raises those of shadows with it
+/// (table 2).
 pub fn paper_selective(tau_a: f32) -> Selective {
     let paper = Selective::PAPER;
     let shadows = if tau_a < 1.0 { paper.tau_psc } else { 1.0 };

@@ -76,8 +76,8 @@ pub fn bytes(request: &Request, plan: &[Planned]) -> u64 {
     pixels * (12 + 9) * (plan.len() as u64 + 2) + (32 << 20)
 }
 
-/// Does the work and writes report.json and report.html. Where the user stops it or the device goes away, both hold what
-/// is finished, and the error says how to go on.
+/// Does the work and writes report.json and report.html. Where the user stops it or the device goes away, both hold
+/// what is finished, and the error says how to go on.
 pub fn run(session: &mut Session) -> Result<Report, ReportError> {
     let plan = plan_of(&session.request);
     let mut finished = Finished::default();

@@ -38,8 +38,8 @@ pub struct Scene {
     pub sky: Sky,
     /// The scene's own views, in the file's order.
     pub cameras: Vec<Camera>,
-    /// What was ignored, replaced or repaired, one readable line each (e.g. "material 3 'glass': unknown alpha mode drawn
-    /// as OPAQUE").
+    /// What was ignored, replaced or repaired, one readable line each (e.g. "material 3 'glass': unknown alpha mode
+    /// drawn as OPAQUE").
     pub notices: Vec<String>,
 }
 

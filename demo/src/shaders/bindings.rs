@@ -59,7 +59,8 @@ pub enum Row {
     Images,
 }
 
-/// A place for each binding in each row. Those of groups 0 to 2 have the same place in all shaders, those of group 3 lie behind them.
+/// A place for each binding in each row. Those of groups 0 to 2 have the same place in all shaders, those of group 3
+/// lie behind them.
 #[derive(Debug)]
 pub struct Slots {
     common: BTreeMap<(Row, ResourceBinding), u32>,

@@ -21,7 +21,8 @@ pub struct Table {
     pub m: u32,
     /// The settings of the frames.
     pub settings: deferred_aa::Settings,
-    /// The passes in the order in which they run. The first is not the node's: it is what the host's raster shader needs.
+    /// The passes in the order in which they run. The first is not the node's: it is what the host's raster shader
+    /// needs.
     pub passes: Vec<Pass>,
     /// The structs of all buffers, by name.
     pub structs: BTreeMap<String, Struct>,
@@ -237,7 +238,8 @@ fn entry(request: &Request<'_>, one: &Resolved<'_>, entry: String, slots: &Slots
     }
 }
 
-/// How many workgroups an entry point of a pass gets: for any output, and for one of 1920 × 1080 pixels. `None` if it draws.
+/// How many workgroups an entry point of a pass gets: for any output, and for one of 1920 × 1080 pixels. `None` if it
+/// draws.
 fn workgroups(info: &PassInfo, entry: &str, m: u32) -> Option<String> {
     let grid = info.stages.iter().find(|stage| stage.entry == entry)?.grid;
     let at_1080p = info.workgroups(grid, [1920, 1080], m).map(|[x, y, _]| format!(" ({x} × {y} at 1920 × 1080)"));

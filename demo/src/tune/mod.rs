@@ -1,7 +1,7 @@
 //! The search for the settings of a technique that reach an error with the fewest samples, over several views at once.
 //!
-//! The dial ([`tunable::Tunable`]) trades samples for error most smoothly, so it is no axis of the search: every point is brought to
-//! the floor by it, and then points compare by their samples alone.
+//! The dial ([`tunable::Tunable`]) trades samples for error most smoothly, so it is no axis of the search: every point
+//! is brought to the floor by it, and then points compare by their samples alone.
 
 pub mod search;
 pub mod subject;
@@ -66,8 +66,8 @@ fn turned<T: Tunable>(settings: &T, factor: f64) -> f32 {
     two_digits(dial).clamp(T::DIAL[0], T::DIAL[1]) as f32
 }
 
-/// These with the dial a little towards more samples, or fewer: by about 4 %, where two digits are that fine, and never by nothing
-/// short of its end.
+/// These with the dial a little towards more samples, or fewer: by about 4 %, where two digits are that fine, and never
+/// by nothing short of its end.
 fn stepped<T: Tunable>(settings: &T, more: bool) -> T {
     let steps = [1.04f64, 1.07, 1.12];
     let dials = steps.map(|step| turned(settings, if more { step } else { 1.0 / step }));

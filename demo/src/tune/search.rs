@@ -1,5 +1,6 @@
 //! Pattern search: each axis up and down in turn, then once more along what a round gained; the step is halved where a
-//! round gains nothing (Hooke and Jeeves 1961). No gradients and no chance: the same search twice takes the same points.
+//! round gains nothing (Hooke and Jeeves 1961). No gradients and no chance: the same search twice takes the same
+//! points.
 
 /// A dimension, searched on a log scale.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,8 +32,8 @@ pub fn two_digits(value: f64) -> f64 {
     if unit < 1.0 { (value / unit).round() / (1.0 / unit).round() } else { (value / unit).round() * unit }
 }
 
-/// Minimises `cost` from `start`, whose first step is a factor of 2^`octaves`, over at most `rounds` rounds. `after_round` hears of
-/// each.
+/// Minimises `cost` from `start`, whose first step is a factor of 2^`octaves`, over at most `rounds` rounds.
+/// `after_round` hears of each.
 pub fn pattern_search<E>(
     axes: &[Axis],
     start: &[f64],

@@ -7,8 +7,8 @@ use deferred_aa::{
 use serde::Serialize;
 use std::fmt::Debug;
 
-/// Settings that can be tuned. One of them, the dial, trades samples for error most smoothly: it brings every point to the floor and
-/// is no axis of the search.
+/// Settings that can be tuned. One of them, the dial, trades samples for error most smoothly: it brings every point to
+/// the floor and is no axis of the search.
 pub trait Tunable: Copy + PartialEq + Debug + Serialize + 'static {
     /// On the command line.
     const TECHNIQUE: &'static str;
@@ -44,8 +44,8 @@ pub fn values<T: Tunable>(settings: &T) -> Vec<f64> {
     settings.values().into_iter().map(|v| two_digits(f64::from(v))).collect()
 }
 
-/// `luminance_min` and `luminance_edge` that see faint edges too, and those that see strong ones alone: few samples for many
-/// windows or many for few.
+/// `luminance_min` and `luminance_edge` that see faint edges too, and those that see strong ones alone: few samples for
+/// many windows or many for few.
 const FAINT: (f32, f32) = (0.01, 0.02);
 const STRONG: (f32, f32) = (0.02, 0.12);
 
@@ -128,8 +128,8 @@ impl Tunable for Windowed {
     }
 }
 
-/// What is reflected and refracted has the thresholds of what is shown. Those of attributes are searched as parts of colour's, which
-/// counts only where nothing differs, so that the dial turns all of them.
+/// What is reflected and refracted has the thresholds of what is shown. Those of attributes are searched as parts of
+/// colour's, which counts only where nothing differs, so that the dial turns all of them.
 impl Tunable for Selective {
     const TECHNIQUE: &'static str = "selective";
     const AXES: &'static [Axis] = &[

@@ -1,5 +1,5 @@
-//! What it costs and how good it is: times by pass, samples, rays and bytes, quality against the reference, and the plot of error
-//! against time that gains a point with everything that is tried.
+//! What it costs and how good it is: times by pass, samples, rays and bytes, quality against the reference, and the
+//! plot of error against time that gains a point with everything that is tried.
 
 use super::app::App;
 use super::renderer::Reference;

@@ -25,8 +25,8 @@ pub struct Verdict {
     pub case: Case,
     /// How near it is, or why that can't be said.
     pub quality: Result<Quality, String>,
-    /// Where it is wrong: 8 bits a channel, rows from the top, black where the displayed values are the same and red, yellow,
-    /// white from an error of 1/64 on.
+    /// Where it is wrong: 8 bits a channel, rows from the top, black where the displayed values are the same and red,
+    /// yellow, white from an error of 1/64 on.
     pub error: Vec<[u8; 3]>,
 }
 

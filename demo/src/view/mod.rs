@@ -1,7 +1,7 @@
 //! `view`: every setting on a control, two of them side by side, what each costs and how near it comes, live.
 //!
-//! The window (`window`) draws on a device of its own what `app` shows. The renderer (`renderer`) has its own thread and device, so
-//! that the window answers however long a frame takes; the measuring (`judge`) has its own thread.
+//! The window (`window`) draws on a device of its own what `app` shows. The renderer (`renderer`) has its own thread
+//! and device, so that the window answers however long a frame takes; the measuring (`judge`) has its own thread.
 
 mod app;
 mod controls;

@@ -1,4 +1,5 @@
-//! The picture: two sides and their divider, where they are wrong, a magnifier, and the samples of the pixel under the pointer.
+//! The picture: two sides and their divider, where they are wrong, a magnifier, and the samples of the pixel under the
+//! pointer.
 
 use super::app::App;
 use super::input::fly;

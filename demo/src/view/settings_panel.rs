@@ -1,5 +1,5 @@
-//! The settings panel: a control for every setting of every technique, with its range and documentation, a way back to its default,
-//! and the reason where it can't be changed.
+//! The settings panel: a control for every setting of every technique, with its range and documentation, a way back to
+//! its default, and the reason where it can't be changed.
 
 use super::app::App;
 use super::controls::{self, Control, Kind};

@@ -379,7 +379,8 @@ mod tests {
         kept
     }
 
-    /// Whether this process runs a test of this module alone, so that its memory is the test's; else it starts such a process.
+    /// Whether this process runs a test of this module alone, so that its memory is the test's; else it starts such a
+    /// process.
     fn is_alone(test: &str) -> bool {
         const ALONE: &str = "DEFERRED_AA_TEST_ALONE";
         if std::env::var_os(ALONE).is_some() {
@@ -434,7 +435,8 @@ mod tests {
         println!("{seen:?}");
     }
 
-    /// Each scene has a device and pipelines of its own, so each time takes a while: as often as is wanted by an environment variable.
+    /// Each scene has a device and pipelines of its own, so each time takes a while: as often as is wanted by an
+    /// environment variable.
     #[test]
     fn moving_between_scenes_keeps_memory_flat() {
         if !is_alone("moving_between_scenes_keeps_memory_flat") {
@@ -458,8 +460,8 @@ mod tests {
         }
         assert!(rig.app.dialog.is_none());
         println!("MiB: {seen:?}");
-        // The first few fill what the driver and the allocator keep, and when these give memory back is their affair: the least of a half
-        // counts. Measured over 50 openings: 0.1 MiB more with each two.
+        // The first few fill what the driver and the allocator keep, and when these give memory back is their affair:
+        // the least of a half counts. Measured over 50 openings: 0.1 MiB more with each two.
         let least = |of: &[f64]| of.iter().copied().fold(f64::INFINITY, f64::min);
         let (early, late) = seen[3..].split_at((seen.len() - 3) / 2);
         assert!(least(late) < least(early) + 20.0, "MiB: {seen:?}");

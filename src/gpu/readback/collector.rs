@@ -117,8 +117,8 @@ impl Collector {
         Some((set, pass as u32 * 2, pass as u32 * 2 + 1))
     }
 
-    /// Records the copies of a frame's counters, after its last band. If no slot is free because the host polls too rarely, the frame has no
-    /// statistics.
+    /// Records the copies of a frame's counters, after its last band. If no slot is free because the host polls too
+    /// rarely, the frame has no statistics.
     pub fn collect(
         &mut self,
         queue: &wgpu::Queue,

@@ -159,8 +159,8 @@ pub(crate) struct LatticeSteps {
 }
 
 impl LatticeSteps {
-    /// Lays out the lattices of a frame over `size` pixels, which are `image` or a part of it. `rays` has bit 0 for shadows and bit 1 for reflections and refractions; with 0
-    /// there are no lattices for rays.
+    /// Lays out the lattices of a frame over `size` pixels, which are `image` or a part of it. `rays` has bit 0 for
+    /// shadows and bit 1 for reflections and refractions; with 0 there are no lattices for rays.
     pub fn new(settings: &MultiResolution, size: [u32; 2], image: [u32; 2], rays: u32) -> Self {
         let mut made = Self { steps: Default::default(), points: [0; 2] };
         // The image is taken from the lattice of pixels, which lies before all others.

@@ -27,10 +27,11 @@ pub struct Coverage {
 
 /// One sample a surface with exact coverage, against all samples.
 ///
-/// `samples` is the host of m = 1 at m times the picture's size whose last frame was `Full` by `camera`. A window's samples,
-/// in the order of their ranks, join the first surface of the same material and object whose first sample has a normal within
-/// 18° and a plane within 1 % of the depth, else begin one, up to four. A surface has the colour of its sample nearest to its
-/// centroid: with a sample's own texture footprint, where a technique of its kind would take the surface's.
+/// `samples` is the host of m = 1 at m times the picture's size whose last frame was `Full` by `camera`. A window's
+/// samples, in the order of their ranks, join the first surface of the same material and object whose first sample has
+/// a normal within 18° and a plane within 1 % of the depth, else begin one, up to four. A surface has the colour of its
+/// sample nearest to its centroid: with a sample's own texture footprint, where a technique of its kind would take the
+/// surface's.
 pub fn exact_coverage(samples: &Host, camera: &deferred_aa::Camera, m: u32) -> Result<Coverage, QualityError> {
     let colors = samples.picture();
     let geometry = Geometry::new(&colors, &samples.surfaces(), &samples.depths(), camera);

@@ -1,4 +1,5 @@
-//! The oracle: the fewest samples that could reach an error, for one who knows all n colours of every window beforehand.
+//! The oracle: the fewest samples that could reach an error, for one who knows all n colours of every window
+//! beforehand.
 //!
 //! The colours come from a host of m = 1 at m times the picture's width and height, rendered with the same camera by
 //! `Full`: its pixels are the samples of the picture's G-buffer, on the same grid.
@@ -13,9 +14,9 @@ use deferred_aa::window::MAX_M;
 
 /// The samples of all windows by what picking some of them costs in error.
 ///
-/// The bound holds for unbiased means of k of the grid's own n samples, drawn at random. A technique may beat it where its
-/// samples know more than that: places spread over the window by their order, a texture footprint wider than a sample's
-/// own, or weights that are exact coverage.
+/// The bound holds for unbiased means of k of the grid's own n samples, drawn at random. A technique may beat it where
+/// its samples know more than that: places spread over the window by their order, a texture footprint wider than a
+/// sample's own, or weights that are exact coverage.
 #[derive(Debug, Clone)]
 pub struct Windows {
     /// Samples of a window.
@@ -27,7 +28,8 @@ pub struct Windows {
 /// The bound at one error.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Neyman {
-    /// Samples over n · w · h, at least 1/n. Windows may have fractions of a sample, so that no whole numbers do better.
+    /// Samples over n · w · h, at least 1/n. Windows may have fractions of a sample, so that no whole numbers do
+    /// better.
     pub ratio: f64,
     /// Of the expected squared error of displayed values, RGB alike; [`IDENTICAL_DB`] for none.
     pub psnr_db: f64,
@@ -36,9 +38,9 @@ pub struct Neyman {
 impl Windows {
     /// From the picture of the big host, whose windows are m × m of its pixels.
     ///
-    /// S² of a window is the variance of its n linear colours (over n − 1), brought to display by the slope of the display
-    /// curve at their mean, averaged over RGB. The slope stands for the curve: good where the error is small, rough for
-    /// few samples of a window of great contrast.
+    /// S² of a window is the variance of its n linear colours (over n − 1), brought to display by the slope of the
+    /// display curve at their mean, averaged over RGB. The slope stands for the curve: good where the error is small,
+    /// rough for few samples of a window of great contrast.
     pub fn new(samples: &Picture, m: u32) -> Result<Self, QualityError> {
         check(samples, m)?;
         let n = f64::from(m * m);
@@ -56,8 +58,8 @@ impl Windows {
         Ok(Self { n, deviations: deviations.map(|(x, y)| deviation(x, y)).collect() })
     }
 
-    /// The fewest samples whose expected root mean squared error, of displayed values in [0, 1], is at most `rmse`. `None`
-    /// if that is negative or not finite.
+    /// The fewest samples whose expected root mean squared error, of displayed values in [0, 1], is at most `rmse`.
+    /// `None` if that is negative or not finite.
     pub fn neyman(&self, rmse: f64) -> Option<Neyman> {
         if !(rmse.is_finite() && rmse >= 0.0) {
             return None;

@@ -62,8 +62,8 @@ pub fn mask(mask: &[bool], width: u32) -> Result<RgbImage, PictureError> {
     RgbImage::from_raw(width, height, bytes).ok_or(PictureError::Length { width, height, found: mask.len() })
 }
 
-/// The greatest difference of a channel as shown, by the square root so that faint ones are seen: black none, pale yellow
-/// [`BRIGHTEST`] and above.
+/// The greatest difference of a channel as shown, by the square root so that faint ones are seen: black none, pale
+/// yellow [`BRIGHTEST`] and above.
 pub fn error_map(image: &Picture, truth: &Picture) -> Result<RgbImage, PictureError> {
     let mut map = image.to_image()?;
     for (a, b) in map.pixels_mut().zip(truth.to_srgb8()) {

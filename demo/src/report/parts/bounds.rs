@@ -22,8 +22,8 @@ struct Bounds {
     entries: BTreeMap<String, EntryOracle>,
 }
 
-/// The bounds at one m, which are also set in its entries of Windowed. `None` where m = 1, which has nothing to choose, and
-/// where a picture of single samples does not fit the device.
+/// The bounds at one m, which are also set in its entries of Windowed. `None` where m = 1, which has nothing to choose,
+/// and where a picture of single samples does not fit the device.
 pub fn bounds(session: &Session, m: u32, entries: &mut [Entry]) -> Result<Option<Oracle>, ReportError> {
     let (width, height) = (session.request.width * m, session.request.height * m);
     if m == 1 || !fits(session, 1, (width, height)) {

@@ -19,7 +19,8 @@ use deferred_aa::{PassKind, PassTime, Settings, Technique};
 pub struct References {
     /// The picture of many samples.
     pub truth: Picture,
-    /// The pixels where the largest m sees an edge: one mask for all entries, so that their edge errors against the truth compare.
+    /// The pixels where the largest m sees an edge: one mask for all entries, so that their edge errors against the
+    /// truth compare.
     pub edges: Option<Vec<bool>>,
 }
 

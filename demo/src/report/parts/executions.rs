@@ -10,8 +10,8 @@ use crate::report::schema::executions::ExecutionRow;
 use crate::report::session::Session;
 use deferred_aa::{Execution, RecordError, Settings, Technique};
 
-/// Windowed with the request's settings at this m, by every execution, and Full among them for β. One whose lists do not
-/// fit the device is left out.
+/// Windowed with the request's settings at this m, by every execution, and Full among them for β. One whose lists do
+/// not fit the device is left out.
 pub fn executions(session: &Session, m: u32) -> Result<Vec<ExecutionRow>, ReportError> {
     let request = &session.request;
     let settings = Settings { technique: Technique::Windowed, ..request.base };

@@ -2,8 +2,8 @@
 
 use crate::report::schema::cost::Fit;
 
-/// Least squares of log y over log x. `None` below three points, or where all x are one. Points that are not above 0 have
-/// no logarithm and do not count.
+/// Least squares of log y over log x. `None` below three points, or where all x are one. Points that are not above 0
+/// have no logarithm and do not count.
 pub fn power_law(points: &[(f64, f64)]) -> Option<Fit> {
     let logs: Vec<_> = points.iter().filter(|(x, y)| *x > 0.0 && *y > 0.0).map(|(x, y)| (x.ln(), y.ln())).collect();
     if logs.len() < 3 {
@@ -21,8 +21,8 @@ pub fn power_law(points: &[(f64, f64)]) -> Option<Fit> {
     Some(Fit { exponent: xy / xx, r2 })
 }
 
-/// The least x from which on `a` is below `b`, for points (x, a, b) of rising x, between points by interpolation of log a/b
-/// over log x. The first x where `a` is below from the beginning; `None` where it is not below at the end.
+/// The least x from which on `a` is below `b`, for points (x, a, b) of rising x, between points by interpolation of log
+/// a/b over log x. The first x where `a` is below from the beginning; `None` where it is not below at the end.
 pub fn crossover(points: &[(f64, f64, f64)]) -> Option<f64> {
     let ratios: Vec<_> = points.iter().map(|&(x, a, b)| (x.ln(), (a / b).ln())).collect();
     let last_above = ratios.iter().rposition(|(_, r)| *r >= 0.0);
@@ -35,7 +35,8 @@ pub fn crossover(points: &[(f64, f64, f64)]) -> Option<f64> {
     }
 }
 
-/// Indices of the points (cost, error) that no other one beats: none is as good in both and better in one. By rising cost.
+/// Indices of the points (cost, error) that no other one beats: none is as good in both and better in one. By rising
+/// cost.
 pub fn frontier(points: &[(f64, f64)]) -> Vec<usize> {
     let beats = |a: (f64, f64), b: (f64, f64)| a.0 <= b.0 && a.1 <= b.1 && a != b;
     let mut best: Vec<_> =

@@ -17,8 +17,8 @@ use std::collections::btree_map::Entry;
 /// standard deviation.
 const QUICK_EVERY: u32 = 4;
 
-/// Sets the flicker of the entries that are planned here. Each frame has a truth of its own, which is what takes the time:
-/// so the picture is small.
+/// Sets the flicker of the entries that are planned here. Each frame has a truth of its own, which is what takes the
+/// time: so the picture is small.
 pub fn flicker(
     session: &Session,
     planned: &[Planned],

@@ -16,8 +16,8 @@ const ERRORS: [f32; 2] = [0.02, 0.005];
 /// Frames whose median time counts at the end.
 const MEASURED: usize = 5;
 
-/// Two errors, and a time half way between Single's and Full's, from the request's settings at this m. On a software driver
-/// at a smaller size, as each search takes dozens of frames.
+/// Two errors, and a time half way between Single's and Full's, from the request's settings at this m. On a software
+/// driver at a smaller size, as each search takes dozens of frames.
 pub fn goals(session: &Session, m: u32) -> Result<Vec<GoalRow>, ReportError> {
     let size = at_most(session, if session.software() { 1 << 15 } else { u64::MAX });
     let windowed = Settings { technique: Technique::Windowed, ..session.request.base };

@@ -69,8 +69,8 @@ pub fn fits(session: &Session, m: u32, (width, height): (u32, u32)) -> bool {
         && memory.gbuffer + memory.scratch <= MOST_BYTES
 }
 
-/// The mean of `side`² samples a pixel on a regular grid: frames of all m² samples, each moved by part of a sample. `tick`
-/// is called before each frame and may stop it. `side` is a multiple of the host's m.
+/// The mean of `side`² samples a pixel on a regular grid: frames of all m² samples, each moved by part of a sample.
+/// `tick` is called before each frame and may stop it. `side` is a multiple of the host's m.
 ///
 /// Each sample reads its textures with the footprint of one of m².
 pub fn render(

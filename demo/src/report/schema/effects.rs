@@ -55,7 +55,8 @@ pub struct TierRow {
     pub rays_per_second: Option<f64>,
     /// Triangles of the bottom levels together.
     pub triangles: u64,
-    /// Bytes of nodes and indices over the number of triangles, without vertices. An adapter's own structures are not known.
+    /// Bytes of nodes and indices over the number of triangles, without vertices. An adapter's own structures are not
+    /// known.
     pub bytes_per_triangle: Option<f64>,
     /// Milliseconds to build the bottom levels, on all cores.
     pub build_ms: f64,

@@ -94,13 +94,15 @@ pub struct Row {
     pub over_db: Option<f64>,
     /// Times by pass, with `gbuffer`, `node` and `total`; empty where the table has no times.
     pub time_ms: BTreeMap<String, Spread>,
-    /// Times of the node's passes by what they are for, [`PARTS`](crate::pass_kind::PARTS); empty where the table is not sparse.
+    /// Times of the node's passes by what they are for, [`PARTS`](crate::pass_kind::PARTS); empty where the table is
+    /// not sparse.
     #[serde(default)]
     pub parts_ms: BTreeMap<String, Spread>,
     /// Median over the rounds of the total of the row that the table is over, in the same round, over this row's.
     pub speed: Option<f64>,
     /// The same of the node's passes alone, without the G-buffer.
     pub node_speed: Option<f64>,
-    /// Samples over those of the table's first curve at the same PSNR, between its points; none beyond them and for that curve.
+    /// Samples over those of the table's first curve at the same PSNR, between its points; none beyond them and for
+    /// that curve.
     pub same_psnr: Option<f64>,
 }

@@ -1,5 +1,5 @@
-//! A plane mirror, a chrome ball and a glass ball, and lettering that is seen in all three: what reflection and refraction rays
-//! must not alias.
+//! A plane mirror, a chrome ball and a glass ball, and lettering that is seen in all three: what reflection and
+//! refraction rays must not alias.
 
 use std::f32::consts::PI;
 

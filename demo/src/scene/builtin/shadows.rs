@@ -1,5 +1,5 @@
-//! Shadows of thin casters: lattices over a ground to the horizon, a perforated sheet, and a ball with few triangles, under a
-//! sun and a spot that cast and a lamp that does not.
+//! Shadows of thin casters: lattices over a ground to the horizon, a perforated sheet, and a ball with few triangles,
+//! under a sun and a spot that cast and a lamp that does not.
 
 use std::f32::consts::PI;
 

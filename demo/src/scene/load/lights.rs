@@ -68,8 +68,8 @@ pub(super) fn expose(lights: &mut [Light], centre: Vec3, radius: f32) -> Option<
     Some(factor)
 }
 
-/// What lights a scene that brings no light, beside the sun: five lamps along its middle, warm and cool in turn. Each gives
-/// white paper a radiance of about a half at a quarter of the scene's height away.
+/// What lights a scene that brings no light, beside the sun: five lamps along its middle, warm and cool in turn. Each
+/// gives white paper a radiance of about a half at a quarter of the scene's height away.
 pub(super) fn rig(bounds: &Bounds) -> Vec<Light> {
     const WARM: Vec3 = Vec3::new(1.0, 0.72, 0.42);
     const COOL: Vec3 = Vec3::new(0.5, 0.7, 1.0);

@@ -1,5 +1,5 @@
-//! What is asked for in a window of its own. Files are chosen in a list of ours: the system's dialogs need a desktop's services,
-//! which a bare X server has not.
+//! What is asked for in a window of its own. Files are chosen in a list of ours: the system's dialogs need a desktop's
+//! services, which a bare X server has not.
 
 use crate::scene::builtin;
 use egui::{Align2, Context, Key, Ui};

@@ -26,8 +26,8 @@ impl Stage {
         Self { adapter, host: None, options, lights: None, own_sun: None }
     }
 
-    /// Builds a host on the adapter of the present one, which stays. Its G-buffer is the best of the wanted kind for the scene
-    /// and the adapter.
+    /// Builds a host on the adapter of the present one, which stays. Its G-buffer is the best of the wanted kind for
+    /// the scene and the adapter.
     pub fn build(&self, scene: Scene, options: Options) -> Result<Host, String> {
         let adapter = match &self.host {
             Some(host) => host.gpu.adapter.clone(),

@@ -47,8 +47,8 @@ impl Comparison {
         self.reference.as_ref().is_some_and(|(.., reference)| Arc::ptr_eq(reference, picture))
     }
 
-    /// Adds the point of a side that is measured and judged, or its newer figures. Points of another view or of another kind of
-    /// reference are dropped.
+    /// Adds the point of a side that is measured and judged, or its newer figures. Points of another view or of another
+    /// kind of reference are dropped.
     pub fn try_point(&mut self, side: &Side, kind: Reference) {
         let (Some(rendered), Some(quality)) = (&side.rendered, side.quality) else { return };
         let (Some(ms), Some(db), Some(flip)) = (side.node_ms(), quality.psnr_db, quality.flip_mean) else { return };

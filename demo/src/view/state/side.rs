@@ -137,7 +137,8 @@ impl Side {
         true
     }
 
-    /// Milliseconds by pass, over the measured frames. The first one may have been compiled for, and is left out of several.
+    /// Milliseconds by pass, over the measured frames. The first one may have been compiled for, and is left out of
+    /// several.
     pub fn times(&self) -> BTreeMap<String, Spread> {
         times(&self.shots[usize::from(self.shots.len() > 2)..])
     }

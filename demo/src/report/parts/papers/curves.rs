@@ -10,7 +10,8 @@ pub fn first_curve<'a>(rows: impl Iterator<Item = (Option<&'a str>, f64, f64)> +
     Some((name, points.collect()))
 }
 
-/// Samples of a point of another series over those of the curve at this PSNR, between its neighbouring points by their logarithms.
+/// Samples of a point of another series over those of the curve at this PSNR, between its neighbouring points by their
+/// logarithms.
 pub fn same_psnr(curve: &Curve<'_>, series: Option<&str>, db: f64, samples: f64) -> Option<f64> {
     let (name, points) = curve.as_ref()?;
     series.filter(|s| s != name)?;

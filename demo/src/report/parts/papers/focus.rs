@@ -6,8 +6,8 @@ use crate::scene::Scene;
 use deferred_aa::{Settings, Technique};
 use std::collections::BTreeMap;
 
-/// The object that the picture is of, if it has any: the one with the greatest product of its pixels in the middle ninth and of these
-/// over all its pixels, so that no floor or wall is taken for it. The lowest number of several.
+/// The object that the picture is of, if it has any: the one with the greatest product of its pixels in the middle
+/// ninth and of these over all its pixels, so that no floor or wall is taken for it. The lowest number of several.
 pub fn in_the_middle(session: &Session) -> Result<Vec<u16>, ReportError> {
     let mut host = session.host(1)?;
     session.frame(&mut host, Settings { technique: Technique::Single, ..Settings::default() })?;

@@ -1,4 +1,5 @@
-//! B. Jin, I. Ihm, B. Chang, C. Park, W. Lee, S. Jung, "Selective and Adaptive Supersampling for Real-Time Ray Tracing", HPG 2009.
+//! B. Jin, I. Ihm, B. Chang, C. Park, W. Lee, S. Jung, "Selective and Adaptive Supersampling for Real-Time Ray
+//! Tracing", HPG 2009.
 
 use super::curves::{first_curve, same_psnr};
 use crate::measure::reference;

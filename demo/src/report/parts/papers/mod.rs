@@ -1,7 +1,7 @@
 //! Tables that the papers print of their techniques, and the same rows measured on this scene beside them.
 //!
-//! A paper is a module that gives its tables as rows of settings, with what it prints for each; all rows of all tables are measured in
-//! one run, those with times in turn.
+//! A paper is a module that gives its tables as rows of settings, with what it prints for each; all rows of all tables
+//! are measured in one run, those with times in turn.
 
 mod curves;
 mod focus;
@@ -29,8 +29,8 @@ pub fn any(techniques: &[&str]) -> bool {
     !tables(Settings::default(), None, techniques).is_empty()
 }
 
-/// The tables of the papers whose techniques are asked for. `focus` says in words what the focused rows are focused on; without it there
-/// are none.
+/// The tables of the papers whose techniques are asked for. `focus` says in words what the focused rows are focused on;
+/// without it there are none.
 fn tables(base: Settings, focus: Option<&str>, techniques: &[&str]) -> Vec<Table<Planned>> {
     let wanted = |names: [&str; 2]| names.iter().all(|name| techniques.contains(name));
     let mut all = Vec::new();

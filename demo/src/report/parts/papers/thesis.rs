@@ -1,10 +1,11 @@
-//! The University of Alaska Fairbanks thesis on tri-adaptive sampling: lattices of squares and of triangles below one sample a pixel.
+//! The University of Alaska Fairbanks thesis on tri-adaptive sampling: lattices of squares and of triangles below one
+//! sample a pixel.
 
 use crate::report::schema::papers::{Planned, Printed, Table};
 use deferred_aa::{Lattice, MultiResolution, Pattern, Settings, Technique};
 
-/// The least m whose G-buffer has samples for rows that are shifted by half a pixel; all rows have it, so that their G-buffers cost
-/// the same.
+/// The least m whose G-buffer has samples for rows that are shifted by half a pixel; all rows have it, so that their
+/// G-buffers cost the same.
 const M: u32 = 2;
 
 /// Median frames a second of table 5.1: every pixel, squares, triangles.
