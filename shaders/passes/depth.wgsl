@@ -1,5 +1,5 @@
 // depth: writes depth at the output's size, reversed as in the G-buffer: 1 is near, 0 is far and the sky. CPU twin:
-// src/reference/depth.rs.
+// src/reference/resolve/depth.rs.
 
 /// The depth of a sample as its bits, which are ordered as numbers from 0 up are: within 0 to 1, and 0 if it is not a
 /// number or negative.

@@ -5,7 +5,7 @@ use crate::gpu::binding::{Access, Binding, PassData, Slot};
 use crate::gpu::buffers::NodeBuffers;
 use crate::gpu::loans::Loans;
 use crate::gpu::pipelines::{self, Build, Pipeline};
-use crate::gpu::sizes::{Shape, TILE_CLASSES_BYTES, plan_bytes};
+use crate::gpu::sizes::{FIXED, Shape, TILE_CLASSES_BYTES, plan_bytes};
 use crate::host::error::{RecordError, SizeError};
 use crate::host::gbuffer::{DEPTH_FORMAT, GBuffer, GBufferTier};
 use crate::host::graph::{Part, PartKind, Resource, Stage};
@@ -36,10 +36,6 @@ impl Memory {
         }
     }
 }
-
-/// The parts, besides the G-buffer, that are created with the size. The others are created when a frame first needs
-/// them.
-pub(crate) const FIXED: [Part; 5] = [Part::First, Part::Color, Part::WindowCounts, Part::Plan, Part::Counters];
 
 /// A stage of a pass, by the addresses of both declarations.
 type StageKey = (usize, usize);

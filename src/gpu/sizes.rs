@@ -2,7 +2,6 @@
 
 use crate::TILE;
 use crate::gpu::bands::Layout;
-use crate::gpu::resources::FIXED;
 use crate::gpu::uniforms::audited::Audited;
 use crate::gpu::uniforms::lattice::{self, LatticeSteps};
 use crate::host::gbuffer::{DEPTH_FORMAT, GBufferTier};
@@ -133,6 +132,10 @@ fn sample_entries(size: [u32; 2], m: u32) -> u64 {
 pub(crate) fn batches(size: [u32; 2], m: u32) -> u32 {
     sample_entries(size, m).div_ceil(BATCH) as u32
 }
+
+/// The parts, besides the G-buffer, that are created with the size. The others are created when a frame first needs
+/// them.
+pub(crate) const FIXED: [Part; 5] = [Part::First, Part::Color, Part::WindowCounts, Part::Plan, Part::Counters];
 
 /// What the descriptor says of a node's resources.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -5,7 +5,6 @@
 
 pub mod audit;
 pub mod check;
-pub mod depth;
 pub mod list;
 pub mod max_filter;
 pub mod metrics;
@@ -20,3 +19,5 @@ pub mod selective;
 pub mod triangle;
 pub mod visibility;
 pub mod window;
+
+pub use resolve::depth;

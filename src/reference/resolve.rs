@@ -1,5 +1,7 @@
 //! Twin of `shaders/shared/mean.wgsl` and `shaders/passes/resolve.wgsl`: the colour of a pixel from its samples.
 
+pub mod depth;
+
 use crate::settings::Weight;
 
 /// A sample after its clean-up: NaN and infinity become opaque black, negative components become 0, and values are

@@ -1,9 +1,8 @@
 //! Blended surfaces: drawn over the image, from back to front, tested against the depth that the node writes at the
 //! output's size.
 
-use crate::host::raster::{self, VERTICES_WGSL, View};
+use crate::host::raster::{self, SHADING_WGSL, TARGET_FORMAT, VERTICES_WGSL, View};
 use crate::host::upload::{GpuScene, UploadError, Vertex};
-use crate::host::{SHADING_WGSL, TARGET_FORMAT};
 use crate::scene::Scene;
 use deferred_aa::gbuffer::DEPTH_FORMAT;
 use deferred_aa::{CONTRACT_WGSL, DeferredAa, Depth, TextureTier};

@@ -22,18 +22,12 @@ use deferred_aa::{
 use glam::Vec3;
 use gpu::Gpu;
 use raster::{Raster, node_camera};
+pub use raster::{SHADING_WGSL, TARGET_FORMAT};
 use rays::Rays;
 use upload::{GpuScene, UploadError};
 
-/// The format of the target: linear HDR, as most engines have it.
-pub const TARGET_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
-
 /// The most textures of a scene on the binding tier.
 pub const TEXTURE_CAPACITY: u32 = 1024;
-
-/// The host's WGSL.
-pub const SHADING_WGSL: &str =
-    concat!(include_str!("material.wgsl"), "\n", include_str!("textured.wgsl"), "\n", include_str!("shading.wgsl"));
 
 /// The host's WGSL for scenes without textures.
 pub const UNTEXTURED_WGSL: &str =

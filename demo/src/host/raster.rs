@@ -6,6 +6,13 @@ use deferred_aa::{DeferredAa, GBuffer, GBufferTier, TextureTier};
 use glam::camera::rh::{proj::directx, view::look_at_mat4};
 use glam::{DMat4, DVec3, Mat4, Vec2, Vec3, Vec4};
 
+/// The host's WGSL.
+pub const SHADING_WGSL: &str =
+    concat!(include_str!("material.wgsl"), "\n", include_str!("textured.wgsl"), "\n", include_str!("shading.wgsl"));
+
+/// The format of the target: linear HDR, as most engines have it.
+pub const TARGET_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+
 /// The WGSL that places the vertices of instances.
 pub(crate) const VERTICES_WGSL: &str = include_str!("vertices.wgsl");
 
