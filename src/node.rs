@@ -12,7 +12,8 @@ use crate::gpu::readback::collector::{Collector, Recorded};
 use crate::gpu::readback::input_check::InputCheck;
 use crate::gpu::recording::{ReadyPass, ReadyStage, Recording, Run};
 use crate::gpu::resources::{SizedResources, Within, binding_limit, check_size};
-use crate::gpu::sizes::{self, FIXED, Kind, Results, Shape, workgroups};
+use crate::gpu::shape::{Kind, shape};
+use crate::gpu::sizes::{self, FIXED, Results, Shape, workgroups};
 use crate::gpu::step::{Pass, Step, used_parts};
 use crate::gpu::uniforms::audited::Audited;
 use crate::gpu::uniforms::casting::{CastSamples, CastingUniform};
@@ -299,7 +300,7 @@ impl DeferredAa {
 
     fn shape(&self, layout: Layout, settings: &Settings, inputs: RayInputs) -> Shape {
         let &Build { m, target_format, gbuffer, .. } = self.build();
-        Shape::new(Kind { m, target_format, gbuffer }, layout, settings, inputs)
+        shape(Kind { m, target_format, gbuffer }, layout, settings, inputs)
     }
 
     /// Lists the textures and buffers that a frame with these settings and needs reads and writes at the present size,

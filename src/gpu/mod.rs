@@ -11,6 +11,7 @@ pub(crate) mod pipelines;
 pub(crate) mod readback;
 pub(crate) mod recording;
 pub(crate) mod resources;
+pub(crate) mod shape;
 pub(crate) mod sizes;
 pub(crate) mod step;
 pub(crate) mod uniforms;

@@ -8,8 +8,6 @@ use crate::host::gbuffer::{DEPTH_FORMAT, GBufferTier};
 use crate::host::graph::{Grid, LatticeShape, Part, PartKind, PassInfo, Rounds};
 use crate::host::needs::RayInputs;
 use crate::host::statistics::COUNTER_BYTES;
-use crate::settings::{DebugView, Goal, Settings};
-use crate::techniques::{self, CastingRanks};
 
 /// The format of S and of the shaded image: f32, so that linear means have the precision of f32 and 65520 stays finite.
 pub(crate) const IMAGE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
@@ -137,38 +135,16 @@ pub(crate) fn batches(size: [u32; 2], m: u32) -> u32 {
 /// them.
 pub(crate) const FIXED: [Part; 5] = [Part::First, Part::Color, Part::WindowCounts, Part::Plan, Part::Counters];
 
-/// What the descriptor says of a node's resources.
+/// The samples of windows that may cast rays.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Kind {
-    pub m: u32,
-    pub target_format: wgpu::TextureFormat,
-    pub gbuffer: GBufferTier,
+pub(crate) enum CastingRanks {
+    /// The first so many of every window.
+    First(u32),
+    /// The first one of every window, and those that a plan has beyond it.
+    Planned,
 }
 
 impl Shape {
-    /// Of frames with these settings, which trace for these inputs.
-    pub fn new(kind: Kind, layout: Layout, settings: &Settings, inputs: RayInputs) -> Self {
-        let Kind { m, target_format, gbuffer } = kind;
-        let Layout { image, size } = layout;
-        let technique = techniques::of(settings.technique);
-        let audits = technique.has_effort() && matches!(settings.goal, Some(Goal::Error(_)));
-        let casting = technique.casting(settings, m);
-        // A goal may raise every k to n.
-        let room = if technique.has_effort() && settings.goal.is_some() { f32::MAX } else { settings.ray_samples };
-        Self {
-            size,
-            image,
-            m,
-            target_format,
-            gbuffer,
-            inputs,
-            results: Results::new(layout, m, casting, room, audits),
-            hits: technique.reads_hits(),
-            rays: settings.view == DebugView::Rays,
-            lattices: technique.lattices(settings, size, image, inputs),
-        }
-    }
-
     /// The bytes of the parts that frames of this shape hold if their passes use `used`.
     pub fn bytes_held(&self, used: &[Part]) -> u64 {
         self.held(used).map(|(_, bytes)| bytes).sum()

@@ -2,7 +2,7 @@
 
 use crate::gpu::bands::Layout;
 use crate::gpu::buffers::{MARKS_BYTES, NodeBuffers};
-use crate::gpu::sizes::{Kind, Shape};
+use crate::gpu::shape::{Kind, shape};
 use crate::gpu::step::used_parts;
 use crate::host::descriptor::Descriptor;
 use crate::host::gbuffer::GBufferTier;
@@ -115,7 +115,7 @@ impl Requirements {
     pub fn memory(&self, width: u32, height: u32, settings: &Settings, needs: &Needs<'_>) -> Memory {
         let inputs = RayInputs::of(settings, needs);
         let layout = Layout { image: [width, height], size: [width, height] };
-        let shape = Shape::new(self.kind, layout, settings, inputs);
+        let shape = shape(self.kind, layout, settings, inputs);
         let used = used_parts(&techniques::steps(settings, inputs));
         let memory = Memory::of(shape.held(&used));
         let marks = if techniques::of(settings.technique).reads_marks() { MARKS_BYTES } else { 0 };

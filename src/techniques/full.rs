@@ -1,8 +1,9 @@
 //! `Full`: shades every sample.
 
 use super::image::{Shown, image_or_view};
-use super::method::{CastingRanks, Counted, Effort, Method, Windows};
+use super::method::{Counted, Effort, Method, Windows};
 use super::rays;
+use crate::gpu::sizes::CastingRanks;
 use crate::gpu::step::Steps;
 use crate::gpu::uniforms::casting::CastSamples;
 use crate::gpu::uniforms::frame::{FrameUniform, flag};

@@ -1,5 +1,6 @@
 //! The trait of techniques.
 
+use crate::gpu::sizes::CastingRanks;
 use crate::gpu::step::Steps;
 use crate::gpu::uniforms::frame::FrameUniform;
 use crate::gpu::uniforms::lattice::LatticeSteps;
@@ -51,15 +52,6 @@ impl Counted {
 /// The counts of frames in which no metric decides k.
 pub(super) fn nothing(of: Windows) -> DecidedCounts {
     DecidedCounts { nothing: of.windows as u32, ..Default::default() }
-}
-
-/// The samples of windows that may cast rays.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum CastingRanks {
-    /// The first so many of every window.
-    First(u32),
-    /// The first one of every window, and those that a plan has beyond it.
-    Planned,
 }
 
 /// A technique: its check of a frame, its part of the constants, its passes, and the meaning of its counters.

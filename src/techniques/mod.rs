@@ -18,7 +18,7 @@ use crate::host::plan::PlanWord;
 use crate::settings::{Settings, Technique};
 use method::Method;
 
-pub(crate) use method::{CastingRanks, Effort, Windows};
+pub(crate) use method::{Effort, Windows};
 
 /// The implementation of a technique.
 pub(crate) fn of(technique: Technique) -> &'static dyn Method {

@@ -2,11 +2,12 @@
 //! (University of Alaska Fairbanks thesis on tri-adaptive sampling).
 
 use super::image::{Shown, image_or_view};
-use super::method::{CastingRanks, Counted, Effort, Method, Windows, nothing};
+use super::method::{Counted, Effort, Method, Windows, nothing};
 use super::planned::{blocks, planned};
 use super::rays;
 use super::reconstructed::weights;
 use crate::gpu::binding::PassData;
+use crate::gpu::sizes::CastingRanks;
 use crate::gpu::step::{Step, Steps};
 use crate::gpu::uniforms::casting::CastSamples;
 use crate::gpu::uniforms::frame::{FrameUniform, MultiResolutionUniform, flag};

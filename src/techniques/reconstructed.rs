@@ -2,8 +2,9 @@
 //! (WSCG 2012).
 
 use super::image::{Shown, image_or_view};
-use super::method::{CastingRanks, Counted, Effort, Method, Windows, nothing};
+use super::method::{Counted, Effort, Method, Windows, nothing};
 use super::rays;
+use crate::gpu::sizes::CastingRanks;
 use crate::gpu::step::Steps;
 use crate::gpu::uniforms::casting::CastSamples;
 use crate::gpu::uniforms::frame::{FrameUniform, ReconstructUniform, flag};

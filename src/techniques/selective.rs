@@ -2,10 +2,11 @@
 //! Park, Lee, Jung 2009).
 
 use super::image::{Shown, image_or_view};
-use super::method::{CastingRanks, Counted, Effort, Method, Windows, nothing};
+use super::method::{Counted, Effort, Method, Windows, nothing};
 use super::rays;
 use crate::gpu::binding::PassData;
 use crate::gpu::buffers::check_marks;
+use crate::gpu::sizes::CastingRanks;
 use crate::gpu::step::Steps;
 use crate::gpu::uniforms::casting::CastSamples;
 use crate::gpu::uniforms::frame::{FrameUniform, SelectiveUniform, flag};

@@ -1,8 +1,9 @@
 //! `Single`: shades one sample a pixel, as plain deferred shading does.
 
 use super::image::{Shown, image_or_view};
-use super::method::{CastingRanks, Counted, Effort, Method, Windows};
+use super::method::{Counted, Effort, Method, Windows};
 use super::rays;
+use crate::gpu::sizes::CastingRanks;
 use crate::gpu::step::Steps;
 use crate::gpu::uniforms::casting::CastSamples;
 use crate::gpu::uniforms::frame::FrameUniform;

@@ -1,9 +1,10 @@
 //! `Windowed`: shades k samples of each window, by how much its samples differ (Holländer, Boubekeur, Eisemann 2013).
 
 use super::image::{Shown, image_or_view};
-use super::method::{CastingRanks, Counted, Effort, Method, Windows};
+use super::method::{Counted, Effort, Method, Windows};
 use super::planned::{blocks, planned};
 use super::rays;
+use crate::gpu::sizes::CastingRanks;
 use crate::gpu::step::Steps;
 use crate::gpu::uniforms::casting::CastSamples;
 use crate::gpu::uniforms::frame::{FrameUniform, WindowedUniform, flag};
