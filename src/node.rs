@@ -212,8 +212,8 @@ impl DeferredAa {
     /// For each band in turn the host rasters [`Band::raster`] into the [`gbuffer`](Self::gbuffer), with the projection
     /// of [`Band::crop`] or the viewport of [`Band::viewport`], and records a frame that has the band as
     /// [`Frame::band`]. Between two submits there may be up to 64 bands. The image equals that of a single frame bit
-    /// for bit, if the samples do. It is complete after the last band; then its statistics are read back, too, and the
-    /// effort of a goal may move.
+    /// for bit, if the samples do and each band has room for the results of all its rays ([`Settings::ray_samples`]). It
+    /// is complete after the last band; then its statistics are read back, too, and the effort of a goal may move.
     ///
     /// A call with the same arguments as the last one does nothing; call it before every frame whose settings or needs
     /// may have changed. Other bands withdraw all [loans](Self::lend). Not counted are the host's own resources, those

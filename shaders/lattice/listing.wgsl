@@ -55,20 +55,11 @@ fn daa_choose_points(step: DaaStep, group: vec2u, lane: u32) -> u32 {
 
 /// The i-th of these points.
 fn daa_chosen_at(group: vec2u, i: u32) -> vec2i {
-    // Finds its word, and the bit in it, by halves.
+    // Finds its word by halves.
     var word = 0u;
     for (var half = 16u; half > 0u; half >>= 1u) {
         word += select(0u, half, daa_before[word + half] <= i);
     }
-    let bits = atomicLoad(&daa_chosen[word]);
-    var left = i - daa_before[word];
-    var bit = 0u;
-    for (var half = 16u; half > 0u; half >>= 1u) {
-        let lower = countOneBits((bits >> bit) & ((1u << half) - 1u));
-        if left >= lower {
-            left -= lower;
-            bit += half;
-        }
-    }
+    let bit = daa_nth_bit(atomicLoad(&daa_chosen[word]), i - daa_before[word]);
     return daa_lane_point(group, bit + (word & 1u) * 32u, word >> 1u);
 }

@@ -9,28 +9,27 @@ fn daa_depth_bits(at: vec2u) -> u32 {
     return select(min(bits, 0x3f800000u), 0u, bits > 0x7f800000u);
 }
 
-@fragment
-fn daa_depth_nearest(@builtin(position) position: vec4f) -> @builtin(frag_depth) f32 {
+/// The least and the greatest of the pixel's samples.
+fn daa_depth_range(position: vec4f) -> vec2u {
     let corner = daa_target_pixel(position) * DAA_M;
-    var nearest = 0u;
+    var range = vec2u(0x3f800000u, 0u);
     for (var y = 0u; y < DAA_M; y++) {
         for (var x = 0u; x < DAA_M; x++) {
-            nearest = max(nearest, daa_depth_bits(corner + vec2u(x, y)));
+            let bits = daa_depth_bits(corner + vec2u(x, y));
+            range = vec2u(min(range.x, bits), max(range.y, bits));
         }
     }
-    return bitcast<f32>(nearest);
+    return range;
+}
+
+@fragment
+fn daa_depth_nearest(@builtin(position) position: vec4f) -> @builtin(frag_depth) f32 {
+    return bitcast<f32>(daa_depth_range(position).y);
 }
 
 @fragment
 fn daa_depth_farthest(@builtin(position) position: vec4f) -> @builtin(frag_depth) f32 {
-    let corner = daa_target_pixel(position) * DAA_M;
-    var farthest = 0x3f800000u;
-    for (var y = 0u; y < DAA_M; y++) {
-        for (var x = 0u; x < DAA_M; x++) {
-            farthest = min(farthest, daa_depth_bits(corner + vec2u(x, y)));
-        }
-    }
-    return bitcast<f32>(farthest);
+    return bitcast<f32>(daa_depth_range(position).x);
 }
 
 @fragment

@@ -62,9 +62,6 @@ fn daa_list_count_samples(@builtin(global_invocation_id) id: vec3u) {
     }
 }
 
-var<workgroup> daa_parts: array<u32, 256>;
-var<workgroup> daa_sixteenths: array<u32, 16>;
-
 /// A workgroup scans a row. Each lane scans a run of tiles, and adds the sums of the runs before it.
 @compute @workgroup_size(256)
 fn daa_list_scan(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
@@ -77,19 +74,7 @@ fn daa_list_scan(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_
     for (var i = begin; i < end; i++) {
         sum += daa_rows[i];
     }
-    daa_parts[lane] = sum;
-    workgroupBarrier();
-    var before = 0u;
-    for (var i = lane & ~15u; i < lane; i++) {
-        before += daa_parts[i];
-    }
-    if (lane & 15u) == 15u {
-        daa_sixteenths[lane >> 4u] = before + sum;
-    }
-    workgroupBarrier();
-    for (var i = 0u; i < (lane >> 4u); i++) {
-        before += daa_sixteenths[i];
-    }
+    var before = daa_sum_before(lane, sum);
     if lane == 255u {
         daa_work[group.x + 1u].count = before + sum;
     }

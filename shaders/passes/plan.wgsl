@@ -7,8 +7,8 @@
 
 var<workgroup> daa_group_decided: array<atomic<u32>, 7>;
 
-/// One lane plans a whole tile, which needs no barrier: a lane for each pixel takes a software driver ten times as
-/// long, and a GPU less than a hundredth of the frame either way.
+/// One lane plans a whole tile. A lane for each pixel would need barriers, which software drivers pay dearly, and most
+/// tiles have few samples to add.
 @compute @workgroup_size(64)
 fn daa_plan_main(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) lane: u32) {
     if id.x < daa_tile_count() {

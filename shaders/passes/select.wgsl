@@ -272,7 +272,7 @@ fn daa_select_main(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocation
         atomicAdd(&daa_group_histogram[k - 1u], 1u);
         word = daa_plan_word(k, found.by, chosen, 0u);
     }
-    let before = daa_tile_sum(lane, max(daa_plan_k(word), 1u) - 1u).x;
+    let before = daa_tile_sum_before(lane, max(daa_plan_k(word), 1u) - 1u);
     daa_plan[daa_tile_index(tile.xy) * 64u + lane] = daa_plan_word_before(word, before);
     daa_add_histogram(lane);
     if lane < 9u {

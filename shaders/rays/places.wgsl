@@ -5,9 +5,6 @@
 @group(3) @binding(0) var<storage, read_write> daa_plan: array<u32>;
 @group(3) @binding(1) var<storage, read_write> daa_statistics: DaaStatistics;
 
-var<workgroup> daa_parts: array<u32, 256>;
-var<workgroup> daa_sixteenths: array<u32, 16>;
-
 fn daa_samples_of_tile(tile: u32) -> u32 {
     let last = daa_plan[tile * 64u + 63u];
     return daa_plan_before(last) + max(daa_plan_k(last), 1u) - 1u;
@@ -24,19 +21,7 @@ fn daa_places_main(@builtin(local_invocation_index) lane: u32) {
     for (var tile = begin; tile < end; tile++) {
         sum += daa_samples_of_tile(tile);
     }
-    daa_parts[lane] = sum;
-    workgroupBarrier();
-    var before = 0u;
-    for (var i = lane & ~15u; i < lane; i++) {
-        before += daa_parts[i];
-    }
-    if (lane & 15u) == 15u {
-        daa_sixteenths[lane >> 4u] = before + sum;
-    }
-    workgroupBarrier();
-    for (var i = 0u; i < (lane >> 4u); i++) {
-        before += daa_sixteenths[i];
-    }
+    var before = daa_sum_before(lane, sum);
     for (var tile = begin; tile < end; tile++) {
         daa_plan[tiles * 64u + tile] = before;
         before += daa_samples_of_tile(tile);

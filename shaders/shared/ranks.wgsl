@@ -19,12 +19,9 @@ fn daa_rank_count_below(ranks: vec2u, rank: u32) -> u32 {
     return select(countOneBits(ranks.x) + countOneBits(ranks.y & below), countOneBits(ranks.x & below), rank < 32u);
 }
 
-/// The rank in the set that has n others below it.
-fn daa_nth_rank(ranks: vec2u, n: u32) -> u32 {
-    let in_low = countOneBits(ranks.x);
-    let high = n >= in_low;
-    let bits = select(ranks.x, ranks.y, high);
-    var left = select(n, n - in_low, high);
+/// The bit that is set and has n others below it, found by halves.
+fn daa_nth_bit(bits: u32, n: u32) -> u32 {
+    var left = n;
     var bit = 0u;
     for (var half = 16u; half > 0u; half >>= 1u) {
         let lower = countOneBits((bits >> bit) & ((1u << half) - 1u));
@@ -33,7 +30,16 @@ fn daa_nth_rank(ranks: vec2u, n: u32) -> u32 {
             bit += half;
         }
     }
-    return bit + select(0u, 32u, high);
+    return bit;
+}
+
+/// The rank in the set that has n others below it.
+fn daa_nth_rank(ranks: vec2u, n: u32) -> u32 {
+    let in_low = countOneBits(ranks.x);
+    if n < in_low {
+        return daa_nth_bit(ranks.x, n);
+    }
+    return 32u + daa_nth_bit(ranks.y, n - in_low);
 }
 
 fn daa_least(ranks: vec2u) -> u32 {

@@ -3,8 +3,8 @@
 var<workgroup> daa_numbers: array<u32, 64>;
 var<workgroup> daa_row_sums: array<u32, 8>;
 
-/// The sum of all lanes' numbers in y, and of those of the lanes before this one in x. Every lane calls it.
-fn daa_tile_sum(lane: u32, number: u32) -> vec2u {
+/// The sum of the numbers of the lanes before this one. Every lane calls it, once.
+fn daa_tile_sum_before(lane: u32, number: u32) -> u32 {
     daa_numbers[lane] = number;
     workgroupBarrier();
     let row = lane >> 3u;
@@ -16,10 +16,8 @@ fn daa_tile_sum(lane: u32, number: u32) -> vec2u {
         daa_row_sums[row] = before + number;
     }
     workgroupBarrier();
-    var all = 0u;
-    for (var i = 0u; i < 8u; i++) {
-        before += select(0u, daa_row_sums[i], i < row);
-        all += daa_row_sums[i];
+    for (var i = 0u; i < row; i++) {
+        before += daa_row_sums[i];
     }
-    return vec2u(before, all);
+    return before;
 }

@@ -30,7 +30,8 @@ impl Rect {
 
 /// A part of the image that is rastered and recorded by itself, so that the G-buffer need not hold the whole image.
 /// [`resize_banded`](crate::DeferredAa::resize_banded) returns the bands of an image; all of them together give each
-/// pixel once, bit for bit as a single frame would.
+/// pixel once, bit for bit as a single frame would, as long as there is room for the results of all rays
+/// ([`Settings::ray_samples`](crate::Settings::ray_samples)).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Band {
     /// The number of the band, from 0. Bands are recorded in this order.

@@ -8,7 +8,7 @@ use crate::wgsl::chunk;
 static MODULE: Module = Module {
     name: "list",
     base: Base::GBuffer,
-    chunks: &[chunk::WORK, include_str!("../../shaders/passes/list.wgsl")],
+    chunks: &[chunk::WORK, chunk::SCAN, include_str!("../../shaders/passes/list.wgsl")],
 };
 
 const LIST: PassData = PassData {

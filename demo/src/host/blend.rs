@@ -54,14 +54,7 @@ impl Blend {
         if bytes > limit {
             return Err(UploadError::Buffer { what: "blended triangles", bytes, limit });
         }
-        let buffer = |label, size, usage| {
-            device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some(label),
-                size,
-                usage: usage | wgpu::BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            })
-        };
+        let buffer = |label, size, usage| raster::buffer(device, label, size, usage);
         let view = buffer("blend view", size_of::<View>() as u64, wgpu::BufferUsages::UNIFORM);
         let bytes_of_instances = (size_of::<raster::Instance>() * scene.instances.len()) as u64;
         let instances = buffer("blend instances", bytes_of_instances, wgpu::BufferUsages::STORAGE);
@@ -222,11 +215,7 @@ fn pipeline(
             module: &module,
             entry_point: Some("raster_vertex"),
             compilation_options: Default::default(),
-            buffers: &[Some(wgpu::VertexBufferLayout {
-                array_stride: size_of::<Vertex>() as u64,
-                step_mode: wgpu::VertexStepMode::Vertex,
-                attributes: &Vertex::ATTRIBUTES,
-            })],
+            buffers: &[Some(Vertex::LAYOUT)],
         },
         // Which triangles face the camera is known from sorting them.
         primitive: Default::default(),

@@ -154,11 +154,7 @@ impl Raster {
                     module: &module,
                     entry_point: Some(entries[usize::from(mask)].0),
                     compilation_options: Default::default(),
-                    buffers: &[Some(wgpu::VertexBufferLayout {
-                        array_stride: size_of::<Vertex>() as u64,
-                        step_mode: wgpu::VertexStepMode::Vertex,
-                        attributes: &Vertex::ATTRIBUTES,
-                    })],
+                    buffers: &[Some(Vertex::LAYOUT)],
                 },
                 primitive: wgpu::PrimitiveState {
                     front_face: if mirrored { wgpu::FrontFace::Cw } else { wgpu::FrontFace::Ccw },
@@ -189,16 +185,9 @@ impl Raster {
             })
             .collect();
         draws.sort_by_key(|d| (d.pipeline, d.instance));
-        let buffer = |label, size, usage| {
-            device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some(label),
-                size,
-                usage: usage | wgpu::BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            })
-        };
-        let view = buffer("view", size_of::<View>() as u64, wgpu::BufferUsages::UNIFORM);
+        let view = buffer(device, "view", size_of::<View>() as u64, wgpu::BufferUsages::UNIFORM);
         let instances = buffer(
+            device,
             "instances",
             (size_of::<Instance>() * scene.instances.len().max(1)) as u64,
             wgpu::BufferUsages::STORAGE,
@@ -219,7 +208,7 @@ impl Raster {
                 count: 2,
             });
             let usage = wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC;
-            (set, buffer("raster timestamps", 16, usage))
+            (set, buffer(device, "raster timestamps", 16, usage))
         });
         Self { pipelines: std::array::from_fn(pipeline), bind_group, view, instances, draws, queries }
     }
@@ -303,6 +292,16 @@ pub(crate) fn source(textures: TextureTier, tier: GBufferTier) -> String {
     let pack = tier.pack_wgsl();
     let (material, raster) = (include_str!("material.wgsl"), include_str!("raster.wgsl"));
     [enable, directives, &pack, table, material, VERTICES_WGSL, raster, own].join("\n")
+}
+
+/// A buffer that each frame writes.
+pub(crate) fn buffer(device: &wgpu::Device, label: &str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
+    device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some(label),
+        size,
+        usage: usage | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    })
 }
 
 /// The instances of a scene before a camera.

@@ -10,6 +10,7 @@ static MODULE: Module = Module {
     name: "points",
     base: Base::Shading,
     chunks: &[
+        chunk::RANKS,
         chunk::RESULTS_BY_RANK,
         chunk::LATTICE,
         chunk::LATTICE_COLORS,

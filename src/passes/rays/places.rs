@@ -3,9 +3,13 @@
 use crate::gpu::binding::{Binding, PassData, Slot};
 use crate::gpu::modules::{Base, Module};
 use crate::host::graph::{Grid, Part, PassKind, Rounds, Stage};
+use crate::wgsl::chunk;
 
-static MODULE: Module =
-    Module { name: "places", base: Base::GBuffer, chunks: &[include_str!("../../../shaders/rays/places.wgsl")] };
+static MODULE: Module = Module {
+    name: "places",
+    base: Base::GBuffer,
+    chunks: &[chunk::SCAN, include_str!("../../../shaders/rays/places.wgsl")],
+};
 
 pub(crate) static PLACES: PassData = PassData {
     names: &["places"],
