@@ -2,7 +2,7 @@
 
 use crate::TILE;
 use crate::goal::Controller;
-use crate::gpu::bands::Layout;
+use crate::gpu::bands::{Layout, MOST_SAMPLES};
 use crate::gpu::binding::frame_layout;
 use crate::gpu::buffers::NodeBuffers;
 use crate::gpu::loans::{Lent, Loans};
@@ -42,9 +42,6 @@ use crate::techniques::{self, Effort};
 use crate::wgsl::{self, HostSource};
 use crate::window::MAX_M;
 use std::sync::Arc;
-
-/// The most samples along one side of an image that is divided into bands: the coordinates of lattices fit 32 bits.
-const MOST_SAMPLES: u32 = 65535;
 
 /// Adaptive supersampling of a deferred frame: a node for a host's frame graph.
 ///

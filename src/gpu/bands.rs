@@ -3,6 +3,9 @@
 use crate::TILE;
 use crate::host::band::{Band, Rect};
 
+/// The most samples along one side of an image that is divided into bands: the coordinates of lattices fit 32 bits.
+pub(crate) const MOST_SAMPLES: u32 = 65535;
+
 /// An image and the size of its bands, aprons included.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Layout {

@@ -1,6 +1,6 @@
 //! The requirements of a node, known before anything is created.
 
-use crate::gpu::bands::Layout;
+use crate::gpu::bands::{Layout, MOST_SAMPLES};
 use crate::gpu::buffers::{MARKS_BYTES, NodeBuffers};
 use crate::gpu::shape::{Kind, shape};
 use crate::gpu::step::used_parts;
@@ -12,6 +12,7 @@ use crate::host::table::{BINDING_FEATURES, MAX_SAMPLERS, TextureTier};
 use crate::rays::{QUERY_FEATURES, RayTier, query_limits};
 use crate::settings::Settings;
 use crate::techniques;
+use crate::window::MAX_M;
 
 /// What [`DeferredAa::new`](crate::DeferredAa::new) requires of a device, and what this adapter lacks.
 #[derive(Debug, Clone)]
@@ -58,8 +59,8 @@ impl Memory {
             match part.resource() {
                 Resource::GBuffer => memory.gbuffer += bytes,
                 Resource::Tiles | Resource::Traced => memory.rays += bytes,
-                // The target is the host's.
-                Resource::Target => {}
+                // These are the host's.
+                Resource::Target | Resource::Depth => {}
                 _ => memory.scratch += bytes,
             }
         }
@@ -106,15 +107,22 @@ impl Requirements {
             limits,
             missing,
             lost,
-            kind: Kind { m: descriptor.m, target_format: descriptor.target_format, gbuffer: descriptor.gbuffer },
+            // `new` refuses other m.
+            kind: Kind {
+                m: descriptor.m.clamp(1, MAX_M),
+                target_format: descriptor.target_format,
+                gbuffer: descriptor.gbuffer,
+            },
         }
     }
 
     /// The memory that the node will hold at this size once it has recorded a frame with these settings and needs:
-    /// [`DeferredAa::memory`](crate::DeferredAa::memory) then. Frames with other settings or needs may add to it.
+    /// [`DeferredAa::memory`](crate::DeferredAa::memory) then. Frames with other settings or needs may add to it. Sides
+    /// of more than 65535 samples, which no node takes, count as that many.
     pub fn memory(&self, width: u32, height: u32, settings: &Settings, needs: &Needs<'_>) -> Memory {
         let inputs = RayInputs::of(settings, needs);
-        let layout = Layout { image: [width, height], size: [width, height] };
+        let size = [width, height].map(|side| side.min(MOST_SAMPLES / self.kind.m));
+        let layout = Layout { image: size, size };
         let shape = shape(self.kind, layout, settings, inputs);
         let used = used_parts(&techniques::steps(settings, inputs));
         let memory = Memory::of(shape.held(&used));

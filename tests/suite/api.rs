@@ -214,6 +214,11 @@ fn requirements_foretell_the_memory() {
         render(&gpu, &mut aa, Rgba8Unorm, Settings::default());
         assert_eq!(aa.memory(), foretold);
         assert_eq!(foretold.gbuffer, u64::from(WIDTH * HEIGHT * m * m) * 36);
+        // Sizes that no node takes are no reason to panic.
+        let settings = Settings { goal: Some(deferred_aa::Goal::Error(0.01)), ..Settings::default() };
+        for [width, height] in [[0, 0], [1, u32::MAX], [u32::MAX, 1], [u32::MAX; 2]] {
+            requirements.memory(width, height, &settings, &Needs::default());
+        }
     }
 }
 

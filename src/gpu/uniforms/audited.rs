@@ -1,9 +1,10 @@
 //! The tiles that a frame audits.
 
 use crate::TILE;
+use crate::gpu::bands::MOST_SAMPLES;
 
-/// The most audited tiles of a frame.
-pub(crate) const MAX_TILES: u32 = 4096;
+/// The most audited tiles of a frame. Each row of tiles has one, and the tallest image has so many rows.
+pub(crate) const MAX_TILES: u32 = (MOST_SAMPLES + 1) / TILE;
 /// The number of audited tiles of a frame from which an error can be judged, if the image has so many. Fewer might all
 /// miss the places with the greatest error.
 const ENOUGH: u32 = 64;
@@ -69,7 +70,7 @@ mod tests {
 
     #[test]
     fn every_tile_has_its_turn_once() {
-        for size in [[1, 1], [96, 54], [960, 540], [1027, 771], [7680, 4320]] {
+        for size in [[1, 1], [96, 54], [960, 540], [1027, 771], [7680, 4320], [9, MOST_SAMPLES], [MOST_SAMPLES, 9]] {
             let period = u64::from(Audited::of(0, size).period);
             let mut turns = vec![0; size.map(|side| side.div_ceil(TILE)).iter().product::<u32>() as usize];
             for frame in 7..7 + period {
