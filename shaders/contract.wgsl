@@ -109,6 +109,18 @@ struct DaaMaterial {
     occlusion: f32,
 }
 
+/// What decides whether two samples of a surface may share their light: the result of the host's `spread`. Without that
+/// function the crate computes it from the normal, the colours and the roughness.
+struct DaaSpread {
+    /// What light depends on in more than proportion, scaled so that a difference of 1 is seen: by default the normal
+    /// times √(F/α + 0.1 D), where F and D are the luminances of the specular and the diffuse colour and α is the
+    /// square of the roughness, and 0.3 times the roughness.
+    shape: vec4f,
+    /// What light is multiplied by. It weighs less where samples share their light, since mean colours times mean light
+    /// come close, and as much where the number of samples is decided: by default √(F + D) of each channel.
+    tint: vec4f,
+}
+
 /// The surface that a single sample stands for.
 fn daa_surface(s: DaaSample, coverage: f32) -> DaaSurface {
     var f: DaaSurface;

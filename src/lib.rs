@@ -48,6 +48,8 @@
 //! - [`Technique::Reconstructed`]: M. Chajdas, M. McGuire, D. Luebke, "Subpixel Reconstruction Antialiasing for
 //!   Deferred Shading", I3D 2011, as extended to ray tracing at WSCG 2012.
 //! - [`Technique::MultiResolution`]: the University of Alaska Fairbanks thesis on tri-adaptive sampling.
+//!
+//! [`Technique::Surfaces`] is the crate's own.
 
 #![deny(missing_docs)]
 
@@ -85,7 +87,9 @@ pub use host::needs::{CastingLight, Depth, MAX_CASTING_LIGHTS, Needs, ObjectImpo
 pub use host::plan::{Attribute, DecidedBy, PlanWord, Slots};
 pub use host::requirements::{Memory, Requirements};
 pub use host::shader::Shader;
-pub use host::statistics::{DecidedCounts, PassTime, PointCounts, QuadrantCounts, Statistics, TileCounts};
+pub use host::statistics::{
+    DecidedCounts, PassTime, PointCounts, QuadrantCounts, Statistics, SurfaceCounts, TileCounts,
+};
 pub use host::table::{
     BINDING_FEATURES, MAX_CLASSES, MAX_SAMPLERS, TableSampler, TableTexture, TextureTable, TextureTier, classes,
 };

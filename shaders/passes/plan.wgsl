@@ -42,6 +42,10 @@ fn daa_plan_main(@builtin(global_invocation_id) id: vec3u, @builtin(local_invoca
         atomicAdd(&daa_group_histogram[0], ones);
         atomicAdd(&daa_group_decided[0], ones);
     }
+    if daa_flag(DAA_FLAG_SURFACES) {
+        // This plan is of rays alone.
+        return;
+    }
     workgroupBarrier();
     daa_add_histogram(lane);
     if lane < 7u {

@@ -9,6 +9,7 @@
 @group(3) @binding(3) var<storage, read> daa_shadows: array<u32>;
 /// As reflect.wgsl writes it.
 @group(3) @binding(4) var<storage, read> daa_reflections: array<u32>;
+@group(3) @binding(5) var<storage, read> daa_surface_masks: array<u32>;
 
 /// A colour scale from black through red and yellow to white.
 fn daa_heat(t: f32) -> vec3f {
@@ -172,6 +173,19 @@ fn daa_metric_of_attribute(by: u32) -> u32 {
         case 2u: { return DAA_BY_IDENTITY; }
         default: { return DAA_BY_NORMAL; }
     }
+}
+
+@fragment
+fn daa_view_lit(@builtin(position) position: vec4f) -> @location(0) vec4f {
+    let word = daa_surface_masks[daa_slot(daa_target_pixel(position))];
+    return daa_view_of_plan(daa_plan_word(daa_surface_lights(word), 0u, 0u, 0u));
+}
+
+/// Taps: their number, on a logarithmic scale.
+@fragment
+fn daa_view_taps(@builtin(position) position: vec4f) -> @location(0) vec4f {
+    let taps = daa_surface_taps(daa_surface_masks[daa_slot(daa_target_pixel(position))]);
+    return vec4f(daa_heat(log2(f32(max(taps, 1u))) / log2(f32(2u * DAA_M * DAA_M))), 1.0);
 }
 
 @fragment

@@ -73,6 +73,30 @@ struct DaaMultiResolution {
     padding: vec2u,
 }
 
+/// The thresholds of `Surfaces`.
+struct DaaSurfaces {
+    /// Cosine of the angle between two normals below which they are of two surfaces.
+    normal_cosine: f32,
+    /// Distance of a sample from a surface's plane, over that to the camera, above which it is of another surface.
+    plane: f32,
+    /// The most surfaces of a window.
+    most: u32,
+    /// The most taps of a surface.
+    taps: u32,
+    /// The taps of a window of one surface before their spread asks for more.
+    first_taps: u32,
+    /// The most groups of a surface, each of which is lit once.
+    most_groups: u32,
+    /// The spread above which all taps are read.
+    tap_spread: f32,
+    /// The spread above which taps do not share their light.
+    spread: f32,
+    /// How much the length that a mean normal loses widens the lobe.
+    widening: f32,
+    padding: u32,
+    padding_too: vec2u,
+}
+
 /// Where the results of a sample's rays lie. The results of the first ranks go rank by rank, with a word for each slot.
 /// Those of other planned samples follow, packed, then those of all samples of audited tiles.
 struct DaaResults {
@@ -130,6 +154,7 @@ struct DaaFrame {
     reconstruct: DaaReconstruct,
     selective: DaaSelective,
     multi_resolution: DaaMultiResolution,
+    surfaces: DaaSurfaces,
     /// Rank → position in the window: x | y << 4 | quadrants << 8 (a bit each), four ranks to a vector. And y m + x →
     /// rank << 16.
     order: array<vec4u, 16>,
@@ -163,6 +188,7 @@ const DAA_FLAG_WEIGHTED: u32 = 0x800000u;
 const DAA_FLAG_SUPERSAMPLED: u32 = 0x1000000u;
 const DAA_FLAG_LATTICE: u32 = 0x2000000u;
 const DAA_FLAG_REFLECTS: u32 = 0x4000000u;
+const DAA_FLAG_SURFACES: u32 = 0x8000000u;
 
 @group(0) @binding(0) var<uniform> daa_frame: DaaFrame;
 

@@ -181,7 +181,7 @@ impl PassData {
 
     /// Whether it reads samples together with their ray results.
     pub fn reads_found(&self) -> bool {
-        matches!(self.module.base, Base::Found | Base::Shading)
+        matches!(self.module.base, Base::Found | Base::Shading | Base::Lighting)
     }
 
     fn used(&self, inputs: RayInputs) -> impl Iterator<Item = (Resource, Access)> {

@@ -8,7 +8,7 @@ use crate::gpu::sizes::{BATCH, POINTS_BLOCK, TILE_CLASSES_BYTES, WORK_BYTES, WOR
 use crate::gpu::uniforms::casting::{CastSamples, CastingUniform, LightUniform};
 use crate::gpu::uniforms::frame::{
     AuditUniform, FrameUniform, MultiResolutionUniform, ReconstructUniform, ResultsUniform, SelectiveUniform,
-    WindowedUniform, flag,
+    SurfacesUniform, WindowedUniform, flag,
 };
 use crate::gpu::uniforms::lattice::{LatticeUniform, Level, StepUniform};
 use crate::host::gbuffer::{Channels, GBufferTier, Ids};
@@ -275,6 +275,7 @@ fn every_module_is_sound_and_has_the_frame() {
         reconstruct,
         selective,
         multi_resolution,
+        surfaces,
         order,
         centres,
     });
@@ -309,6 +310,21 @@ fn every_module_is_sound_and_has_the_frame() {
         (
             "DaaSelective",
             rust_layout!(SelectiveUniform { primary, reflected, color, contrast_min, normal_cosine, samples, ranks }),
+        ),
+        (
+            "DaaSurfaces",
+            rust_layout!(SurfacesUniform {
+                normal_cosine,
+                plane,
+                most,
+                taps,
+                first_taps,
+                most_groups,
+                tap_spread,
+                spread,
+                widening,
+                padding,
+            }),
         ),
         ("DaaMultiResolution", rust_layout!(MultiResolutionUniform { color, position, padding })),
     ];
@@ -372,7 +388,8 @@ fn counters_are_the_shaders() {
         tiles,
         quadrants,
         points,
-        without_rays
+        without_rays,
+        surfaces,
     });
     for (name, module) in modules() {
         assert_eq!(wgsl_layout(&module, "DaaStatistics"), counters, "{name}");
@@ -445,6 +462,7 @@ fn flags_are_the_shaders() {
         ("SUPERSAMPLED", flag::SUPERSAMPLED),
         ("LATTICE", flag::LATTICE),
         ("REFLECTS", flag::REFLECTS),
+        ("SURFACES", flag::SURFACES),
     ];
     for (name, value) in flags {
         assert_eq!(constant(&module, &format!("DAA_FLAG_{name}")), value, "{name}");
@@ -481,6 +499,11 @@ fn workgroups_are_the_shaders() {
         ("daa_points_main", tile),
         ("daa_refine_judge", tile),
         ("daa_refine_main", tile),
+        ("daa_cover_main", tile),
+        ("daa_light_count", flat),
+        ("daa_light_list", flat),
+        ("daa_light_listed", [32, 1, 1]),
+        ("daa_light_one", tile),
         ("daa_list_count_pixels", flat),
         ("daa_list_count_samples", flat),
         ("daa_list_pixels", flat),
@@ -529,6 +552,7 @@ fn workgroups_are_the_grids() {
             let expected: &[[u32; 3]] = match stage.grid {
                 Grid::One => &[[1, 1, 1], [256, 1, 1]],
                 Grid::Counts => &[[256, 1, 1]],
+                Grid::Indirect { part: Part::SurfaceList, .. } => &[[32, 1, 1]],
                 Grid::TileRuns | Grid::Indirect { .. } | Grid::AuditedTiles => &[flat],
                 Grid::Tiles => &[flat, tile],
                 // Lanes of a block of points may be counted along one side, or both.

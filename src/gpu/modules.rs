@@ -25,6 +25,8 @@ pub(crate) enum Base {
     Found,
     /// Also the host's source, which shades samples.
     Shading,
+    /// Also the host's functions for materials and light, called apart.
+    Lighting,
     /// A scene for rays. `shades`: with the host's source; else with it only if that says where materials are solid.
     Casting { shades: bool },
 }
@@ -32,7 +34,7 @@ pub(crate) enum Base {
 impl Base {
     /// Whether the module may read the host's group and the texture table.
     pub fn has_host(self) -> bool {
-        matches!(self, Self::Shading | Self::Casting { .. })
+        matches!(self, Self::Shading | Self::Lighting | Self::Casting { .. })
     }
 }
 
@@ -49,6 +51,11 @@ pub(crate) fn source(module: &Module, host: &HostSource, inputs: RayInputs, tier
         Base::GBuffer => frame(tiers.gbuffer, RayInputs::default()),
         Base::Found => frame(tiers.gbuffer, inputs),
         Base::Shading => shading(host, tiers.gbuffer, inputs),
+        Base::Lighting => {
+            let mut chunks = shading(host, tiers.gbuffer, inputs);
+            chunks.extend(host.split_calls());
+            chunks
+        }
         Base::Casting { shades } => casting(host, tiers, shades),
     };
     text.into_iter().chain(module.chunks.iter().copied()).flat_map(|chunk| [chunk, "\n"]).collect()
@@ -58,7 +65,7 @@ pub(crate) fn source(module: &Module, host: &HostSource, inputs: RayInputs, tier
 pub(crate) fn binds_host(base: Base, host: &HostSource) -> bool {
     match base {
         Base::GBuffer | Base::Found => false,
-        Base::Shading => true,
+        Base::Shading | Base::Lighting => true,
         Base::Casting { shades } => shades || host.solid,
     }
 }

@@ -5,7 +5,7 @@ use crate::gpu::binding::{Access, Binding, PassData, Slot};
 use crate::gpu::buffers::NodeBuffers;
 use crate::gpu::loans::Loans;
 use crate::gpu::pipelines::{self, Build, Pipeline};
-use crate::gpu::sizes::{FIXED, Shape, TILE_CLASSES_BYTES, plan_bytes};
+use crate::gpu::sizes::{FIXED, SURFACE_LIST_HEAD_BYTES, Shape, TILE_CLASSES_BYTES, plan_bytes};
 use crate::host::error::{RecordError, SizeError};
 use crate::host::gbuffer::{DEPTH_FORMAT, GBuffer, GBufferTier};
 use crate::host::graph::{Part, PartKind, Resource, Stage};
@@ -206,7 +206,7 @@ impl SizedResources {
         parts: &[Part],
         execution: Option<Execution>,
     ) -> Result<(), RecordError> {
-        for of in [Resource::List, Resource::Lattice, Resource::Tiles, Resource::Traced] {
+        for of in [Resource::List, Resource::Lattice, Resource::Surfaces, Resource::Tiles, Resource::Traced] {
             let of_resource = parts.iter().copied().filter(|part| part.resource() == of);
             let needed = of_resource.filter_map(|part| Some((part, shape.kind(part)?)));
             let missing: Vec<_> = needed.filter(|&(part, kind)| !self.fits(shape, part, kind.bytes())).collect();
@@ -253,6 +253,9 @@ impl SizedResources {
         }
         if let Some(tiles) = self.buffer(Part::Tiles).filter(|_| shape.inputs.any()) {
             encoder.clear_buffer(tiles, 0, Some(TILE_CLASSES_BYTES));
+        }
+        if let Some(list) = self.buffer(Part::SurfaceList) {
+            encoder.clear_buffer(list, 0, Some(SURFACE_LIST_HEAD_BYTES));
         }
         // `trace` reads the first samples of neighbouring windows. Points beyond the image's border read samples there
         // that may have no point of their own.
@@ -429,6 +432,7 @@ fn refused(of: Resource, shape: &Shape, execution: Option<Execution>, bytes: u64
     match of {
         Resource::List => RecordError::List { execution, width, height, m, bytes, why },
         Resource::Lattice => RecordError::Lattices { width, height, bytes, why },
+        Resource::Surfaces => RecordError::Surfaces { width, height, m, bytes, why },
         _ => RecordError::Traces { width, height, m, bytes, why },
     }
 }

@@ -86,6 +86,14 @@ impl Results {
     }
 }
 
+/// The bytes of `DaaWindowList` of light.wgsl before its slots.
+pub(crate) const SURFACE_LIST_HEAD_BYTES: u64 = 16;
+
+/// The number of words for the surfaces of a window: masks.wgsl. A set of ranks has a word, or two.
+fn surface_words(m: u32) -> u64 {
+    1 + 3 * if m > 5 { 2 } else { 1 }
+}
+
 /// The number of tiles along x and y.
 pub(crate) fn tiles(size: [u32; 2]) -> [u32; 2] {
     size.map(|side| side.div_ceil(TILE))
@@ -189,6 +197,8 @@ impl Shape {
             }
             Part::LatticePoints => lattices(0),
             Part::LatticeColors => lattices(1),
+            Part::SurfaceMasks => buffer(plan_bytes(size) * surface_words(m), none),
+            Part::SurfaceList => buffer(SURFACE_LIST_HEAD_BYTES + plan_bytes(size), indirect | cleared),
             // A word for each tile in each class, and a word for the classes of each tile.
             Part::Tiles if inputs.any() => buffer(TILE_CLASSES_BYTES + 3 * tiles * 4, indirect | cleared),
             Part::Shadows if inputs.shadows => buffer(self.shadow_bytes(), cleared),

@@ -524,6 +524,22 @@ pub enum RecordError {
         /// The limit that one of them exceeds, or the message of the driver.
         why: String,
     },
+    /// The surfaces of [`Technique::Surfaces`](crate::Technique::Surfaces) exceed the device's limits or memory.
+    #[error(
+        "surfaces at {width}×{height}, m = {m} keep {bytes} bytes: {why}; use a smaller size or m, or resize_banded"
+    )]
+    Surfaces {
+        /// The width of the node's output.
+        width: u32,
+        /// The height of the node's output.
+        height: u32,
+        /// The node's m.
+        m: u32,
+        /// The bytes that one or all of their buffers have.
+        bytes: u64,
+        /// The limit that one of them exceeds, or the message of the driver.
+        why: String,
+    },
     /// The memory lent for a part is too small for this frame.
     #[error(
         "{part:?} was lent {lent} bytes, this frame needs {needed}; lend at least that many bytes, or withdraw the loan"

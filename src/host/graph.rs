@@ -27,6 +27,8 @@ pub enum Resource {
     List,
     /// The points of the lattices and their shaded colours.
     Lattice,
+    /// The surfaces of each window, and the list of windows that are lit apart.
+    Surfaces,
     /// The means of windows with k > 1, w×h.
     Color,
     /// The statistics counters.
@@ -38,7 +40,7 @@ pub enum Resource {
 }
 
 impl Resource {
-    const ALL: [Self; 14] = [
+    const ALL: [Self; 15] = [
         Self::GBuffer,
         Self::Host,
         Self::First,
@@ -49,6 +51,7 @@ impl Resource {
         Self::Plan,
         Self::List,
         Self::Lattice,
+        Self::Surfaces,
         Self::Color,
         Self::Statistics,
         Self::Target,
@@ -128,6 +131,10 @@ pub enum Part {
     LatticePoints,
     /// The shaded colours of the points.
     LatticeColors,
+    /// The surfaces of each window ([`Resource::Surfaces`]).
+    SurfaceMasks,
+    /// The windows that are lit apart, and their indirect dispatch ([`Resource::Surfaces`]).
+    SurfaceList,
     /// The buffer of [`Resource::Tiles`].
     Tiles,
     /// The shadow bits of [`Resource::Traced`].
@@ -206,7 +213,7 @@ pub struct PartInfo {
 }
 
 impl Part {
-    pub(crate) const ALL: [Self; 23] = [
+    pub(crate) const ALL: [Self; 25] = [
         Self::GBufferDepth,
         Self::GBufferSurface,
         Self::GBufferFrame,
@@ -224,6 +231,8 @@ impl Part {
         Self::SampleListColors,
         Self::LatticePoints,
         Self::LatticeColors,
+        Self::SurfaceMasks,
+        Self::SurfaceList,
         Self::Tiles,
         Self::Shadows,
         Self::Reflections,
@@ -252,6 +261,7 @@ impl Part {
             | Self::SampleListWork
             | Self::SampleListColors => Resource::List,
             Self::LatticePoints | Self::LatticeColors => Resource::Lattice,
+            Self::SurfaceMasks | Self::SurfaceList => Resource::Surfaces,
             Self::Tiles => Resource::Tiles,
             Self::Shadows | Self::Reflections => Resource::Traced,
             Self::Counters => Resource::Statistics,
@@ -265,7 +275,9 @@ impl Part {
             Self::GBufferDepth | Self::GBufferSurface | Self::GBufferFrame | Self::GBufferUv => Lifetime::Imported,
             Self::Target | Self::Depth => Lifetime::Imported,
             Self::Counters => Lifetime::Kept,
-            Self::Tiles | Self::Shadows | Self::Reflections => Lifetime::Transient { from_begin: true },
+            Self::SurfaceList | Self::Tiles | Self::Shadows | Self::Reflections => {
+                Lifetime::Transient { from_begin: true }
+            }
             _ => Lifetime::Transient { from_begin: false },
         }
     }
@@ -313,6 +325,10 @@ pub enum PassKind {
     Points,
     /// Computes S from the finest lattice.
     LatticeToPixels,
+    /// Gathers the samples of each window into surfaces.
+    Cover,
+    /// Lights the surfaces of each window.
+    Light,
     /// Writes the image into the target.
     Resolve,
     /// Writes a debug view into the target.

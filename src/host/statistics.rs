@@ -21,6 +21,7 @@ pub(crate) struct Counters {
     pub quadrants: QuadrantCounts,
     pub points: PointCounts,
     pub without_rays: u32,
+    pub surfaces: SurfaceCounts,
 }
 
 pub(crate) const COUNTER_BYTES: u64 = size_of::<Counters>() as u64;
@@ -114,6 +115,19 @@ counts! {
     }
 }
 
+counts! {
+    /// What [`Technique::Surfaces`] has found in the windows, and read. What it lit is [`Statistics::shaded`].
+    SurfaceCounts {
+        /// The number of surfaces of all windows.
+        surfaces,
+        /// The number of taps: calls of the host's `material`, or of its whole hook.
+        taps,
+        /// The number of windows with more surfaces than are told apart
+        /// ([`Surfaces::surfaces`](crate::Surfaces::surfaces)).
+        merged,
+    }
+}
+
 /// The statistics of one frame.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
@@ -125,7 +139,8 @@ pub struct Statistics {
     /// The number of bands of the frame. What follows is summed over them. The histograms of windows and quadrants are
     /// of the image, each window once; samples, points, rays, tiles and times are of all work, aprons included.
     pub bands: u32,
-    /// The number of samples that the host's code shaded, first samples included.
+    /// The number of samples that the host's code shaded, first samples included. With [`Technique::Surfaces`]: the
+    /// number of lights, each of which is for one or several taps.
     pub shaded: u64,
     /// The number of first samples among them that were shaded in the aprons of bands, for their neighbours. 0 without
     /// bands, and for techniques without first samples.
@@ -144,6 +159,8 @@ pub struct Statistics {
     /// The number of shaded points of [`Technique::MultiResolution`] on each lattice, including points outside the
     /// image's border. The samples of refined windows are not included.
     pub points: PointCounts,
+    /// The surfaces and taps of [`Technique::Surfaces`].
+    pub surfaces: SurfaceCounts,
     /// The number of samples for which the host's code returned NaN or infinity. They are shaded black.
     pub not_finite: u32,
     /// The number of samples for which the host's code returned a negative component. It is clamped to 0.

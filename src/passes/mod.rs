@@ -17,6 +17,7 @@ pub(crate) mod resolve;
 pub(crate) mod select;
 pub(crate) mod shade;
 pub(crate) mod shade_listed;
+pub(crate) mod surfaces;
 pub(crate) mod view;
 
 use crate::gpu::binding::PassData;
@@ -69,11 +70,16 @@ pub(crate) static ALL: &[&PassData] = &[
     &shade_listed::SORTED,
     &shade_listed::BUCKETED,
     &shade_listed::PACKED,
+    &surfaces::cover::COVER,
+    &surfaces::light::LIGHT,
+    &surfaces::light::TRACED,
     &view::GBUFFER,
     &view::SURFACES,
     &view::FIRST,
     &view::PLAN,
     &view::UNPLANNED,
+    &view::LIT,
+    &view::TAPS,
     &view::TILES,
     &view::SHADOWS,
     &view::RAYS,

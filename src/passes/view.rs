@@ -8,7 +8,13 @@ use crate::wgsl::chunk;
 static MODULE: Module = Module {
     name: "view",
     base: Base::GBuffer,
-    chunks: &[chunk::RANKS, chunk::RESULTS_PLANNED, chunk::FULLSCREEN, include_str!("../../shaders/passes/view.wgsl")],
+    chunks: &[
+        chunk::RANKS,
+        chunk::RESULTS_PLANNED,
+        chunk::MASKS,
+        chunk::FULLSCREEN,
+        include_str!("../../shaders/passes/view.wgsl"),
+    ],
 };
 
 const VIEW: PassData = PassData {
@@ -45,6 +51,16 @@ pub(crate) static PLAN: PassData = PassData {
 
 /// The same for techniques without a plan.
 pub(crate) static UNPLANNED: PassData = PassData { stages: &[Stage::new("daa_view_unplanned", Grid::Target)], ..VIEW };
+
+/// The lights of each window of `Surfaces`.
+pub(crate) static LIT: PassData = PassData {
+    bindings: &[Binding::read(5, "daa_surface_masks", Slot::Part(Part::SurfaceMasks))],
+    stages: &[Stage::new("daa_view_lit", Grid::Target)],
+    ..VIEW
+};
+
+/// The taps of each window of `Surfaces`.
+pub(crate) static TAPS: PassData = PassData { stages: &[Stage::new("daa_view_taps", Grid::Target)], ..LIT };
 
 /// The tiles for which rays were dispatched.
 pub(crate) static TILES: PassData = PassData {

@@ -7,6 +7,7 @@ mod multi_resolution;
 mod ranges;
 mod reconstructed;
 mod selective;
+mod surfaces;
 mod view;
 mod windowed;
 
@@ -17,6 +18,7 @@ pub use multi_resolution::{Lattice, MultiResolution, Pattern};
 pub use ranges::{SettingRange, SettingScale, SettingsError};
 pub use reconstructed::Reconstructed;
 pub use selective::{ColorReference, Enabled, Selective};
+pub use surfaces::Surfaces;
 pub use view::DebugView;
 pub use windowed::{DepthMeasure, Preset, Windowed};
 
@@ -29,6 +31,7 @@ pub const SETTINGS_SOURCE: &[&str] = &[
     include_str!("multi_resolution.rs"),
     include_str!("reconstructed.rs"),
     include_str!("selective.rs"),
+    include_str!("surfaces.rs"),
     include_str!("view.rs"),
     include_str!("windowed.rs"),
 ];
@@ -53,6 +56,8 @@ pub struct Settings {
     pub selective: Selective,
     /// Settings of [`Technique::MultiResolution`].
     pub multi_resolution: MultiResolution,
+    /// Settings of [`Technique::Surfaces`].
+    pub surfaces: Surfaces,
     /// How a pixel's samples are weighted when they are averaged.
     pub weight: Weight,
     /// Whether shadow rays are traced towards the lights of [`Needs::shadows`](crate::Needs::shadows).
@@ -66,7 +71,8 @@ pub struct Settings {
     /// memory. Lower: where a frame plans more samples, those without room take what the rays of their window's first
     /// sample found, so that edges of shadows and reflections are rougher from the image's bottom up;
     /// [`Statistics::without_rays`](crate::Statistics::without_rays) counts them. Used where a plan chooses samples: by
-    /// [`Technique::Windowed`], [`Technique::Selective`] and [`MultiResolution::supersampled`]. With a
+    /// [`Technique::Windowed`], [`Technique::Selective`], [`Technique::Surfaces`] and
+    /// [`MultiResolution::supersampled`]. With a
     /// [`goal`](Self::goal) there is room for all.
     pub ray_samples: f32,
     /// What is written to the target: the image or a debug view.
@@ -85,6 +91,7 @@ impl Default for Settings {
             reconstructed: Reconstructed::default(),
             selective: Selective::default(),
             multi_resolution: MultiResolution::default(),
+            surfaces: Surfaces::default(),
             weight: Weight::default(),
             shadows: Effect::default(),
             reflections: Effect::default(),
@@ -120,12 +127,24 @@ pub enum Technique {
     /// is smooth; its rays likewise (University of Alaska Fairbanks thesis on tri-adaptive sampling). Can shade less
     /// than one sample per pixel and, on request, more.
     MultiResolution,
+    /// Gathers the samples of each window into surfaces whose coverage is counted, reads the material of a surface at
+    /// several taps, and lights once each group of taps that would be lit alike. The crate's own technique; it lights
+    /// about one sample a pixel. Hosts whose hook is `shade` instead of `material` and `light` have one sample shaded
+    /// for each surface.
+    Surfaces,
 }
 
 impl Technique {
     /// All techniques, in order.
-    pub const ALL: [Self; 6] =
-        [Self::Full, Self::Single, Self::Windowed, Self::Reconstructed, Self::Selective, Self::MultiResolution];
+    pub const ALL: [Self; 7] = [
+        Self::Full,
+        Self::Single,
+        Self::Windowed,
+        Self::Reconstructed,
+        Self::Selective,
+        Self::MultiResolution,
+        Self::Surfaces,
+    ];
 }
 
 /// Whether a kind of ray is traced.
@@ -155,9 +174,9 @@ pub enum Weight {
 }
 
 impl Preset {
-    /// Settings with this preset's metrics and the defaults for everything else.
+    /// Settings with this preset's metrics and surfaces, and the defaults for everything else.
     pub fn settings(self) -> Settings {
-        Settings { windowed: self.windowed(), ..Default::default() }
+        Settings { windowed: self.windowed(), surfaces: self.surfaces(), ..Default::default() }
     }
 }
 
@@ -169,7 +188,8 @@ mod tests {
     fn presets_are_sound_and_differ() {
         for preset in Preset::ALL {
             assert_eq!(preset.settings().validate(), Ok(()), "{preset:?}");
-            assert_eq!(preset.settings(), Settings { windowed: preset.windowed(), ..Default::default() });
+            let (windowed, surfaces) = (preset.windowed(), preset.surfaces());
+            assert_eq!(preset.settings(), Settings { windowed, surfaces, ..Default::default() });
         }
         let [fast, balanced, quality] = Preset::ALL.map(Preset::windowed);
         assert!(fast != balanced && balanced != quality && quality != fast);

@@ -1,6 +1,6 @@
 //! The range of every numeric setting.
 
-use super::{Goal, Settings, Windowed};
+use super::{Goal, Settings, Surfaces, Windowed};
 
 /// The values that a numeric setting may take.
 #[derive(Debug, Clone, Copy)]
@@ -104,6 +104,16 @@ impl Settings {
         range!(multi_resolution.color_threshold, 0.0, 1.0, Logarithmic),
         range!(multi_resolution.position_threshold, 0.0, 1.0, Logarithmic),
         range!(multi_resolution.footprint, 0.0, 4.0, Linear),
+        range!(surfaces.spread, 0.0, 1e6, Logarithmic),
+        range!(surfaces.groups, 1.0, Surfaces::MOST_GROUPS as f32, Whole),
+        range!(surfaces.taps, 1.0, Surfaces::MOST_TAPS as f32, Whole),
+        range!(surfaces.first_taps, 1.0, Surfaces::MOST_TAPS as f32, Whole),
+        range!(surfaces.tap_spread, 0.0, 1e6, Logarithmic),
+        range!(surfaces.surfaces, 1.0, Surfaces::MOST_SURFACES as f32, Whole),
+        range!(surfaces.normal_cosine, -1.0, 1.0, Linear),
+        range!(surfaces.plane, 0.0, 1.0, Logarithmic),
+        range!(surfaces.widening, 0.0, 1.0, Linear),
+        range!(surfaces.footprint, 0.0, 4.0, Linear),
         range!(ray_samples, 0.0, 63.0, Linear),
         SettingRange {
             path: "goal.error",

@@ -8,7 +8,8 @@ pub enum DebugView {
     /// The anti-aliased image.
     #[default]
     Image = 0,
-    /// k on a log scale: 1 is black, n white, between them red and yellow.
+    /// k on a log scale: 1 is black, n white, between them red and yellow. For
+    /// [`Technique::Surfaces`](crate::Technique::Surfaces), the number of lights.
     Count = 1,
     /// The metric that decided k: black none, red depth, green normal, blue luminance, yellow identity, cyan shadow.
     /// For [`Technique::Selective`](crate::Technique::Selective), what the threshold of the window's first active
@@ -62,11 +63,15 @@ pub enum DebugView {
     /// image's border and the audit of [`Goal::Error`](crate::Goal::Error). Doubles the memory for ray results;
     /// [`Intermediates::shadows`](crate::Intermediates::shadows) has the count of each sample.
     Rays = 18,
+    /// How often the host's material is read for a pixel of [`Technique::Surfaces`](crate::Technique::Surfaces), on a
+    /// log scale: 1 is black, 2 n white, between them red and yellow. Taps of a surface that is cut into groups are
+    /// read twice. For other techniques [`Count`](Self::Count) says it, and this is black.
+    Taps = 19,
 }
 
 impl DebugView {
     /// All views, in order.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 20] = [
         Self::Image,
         Self::Count,
         Self::Decided,
@@ -86,5 +91,6 @@ impl DebugView {
         Self::Tiles,
         Self::Shadows,
         Self::Rays,
+        Self::Taps,
     ];
 }

@@ -21,7 +21,7 @@ impl Method for Full {
     }
 
     fn steps(&self, settings: &Settings, inputs: RayInputs) -> Steps {
-        let shown = Shown { image: &resolve::COLOR, planned: false, classified: inputs.any(), inputs };
+        let shown = Shown { image: &resolve::COLOR, planned: false, surfaces: false, classified: inputs.any(), inputs };
         Steps::default()
             .then_all(rays::classified(inputs))
             .then_all(rays::cast(inputs, CastSamples::Full))

@@ -11,6 +11,8 @@ pub(super) struct Shown {
     pub image: &'static PassData,
     /// Whether the plan has a word for each pixel.
     pub planned: bool,
+    /// Whether each pixel has a word of its surfaces.
+    pub surfaces: bool,
     /// Whether tiles were classified.
     pub classified: bool,
     pub inputs: RayInputs,
@@ -20,6 +22,8 @@ pub(super) fn image_or_view(settings: &Settings, shown: &Shown) -> &'static Pass
     match settings.view {
         DebugView::Image => shown.image,
         DebugView::First => &view::FIRST,
+        DebugView::Count if shown.surfaces => &view::LIT,
+        DebugView::Taps if shown.surfaces => &view::TAPS,
         DebugView::Count | DebugView::Decided | DebugView::Quadrants | DebugView::Levels => {
             if shown.planned {
                 &view::PLAN
@@ -31,7 +35,7 @@ pub(super) fn image_or_view(settings: &Settings, shown: &Shown) -> &'static Pass
         DebugView::Tiles if shown.classified => &view::TILES,
         DebugView::Shadows if shown.inputs.shadows => &view::SHADOWS,
         DebugView::Rays if shown.inputs.any() => &view::RAYS,
-        DebugView::Tiles | DebugView::Shadows | DebugView::Rays => &view::NOTHING,
+        DebugView::Tiles | DebugView::Shadows | DebugView::Rays | DebugView::Taps => &view::NOTHING,
         DebugView::Depth
         | DebugView::Normal
         | DebugView::GeometricNormal
@@ -69,12 +73,12 @@ mod tests {
         let views = DebugView::ALL.map(|view| (view as u32, format!("{view:?}")));
         assert!(views.iter().map(|v| v.0).eq(0..views.len() as u32), "ALL is in order");
         let inputs = RayInputs { shadows: true, reflections: true };
-        let shown = Shown { image: &resolve::COLOR, planned: true, classified: true, inputs };
+        let shown = Shown { image: &resolve::COLOR, planned: true, surfaces: true, classified: true, inputs };
         // The image itself is resolve's.
         for (view, (number, name)) in DebugView::ALL.into_iter().zip(views).skip(1) {
             let entry = image_or_view(&Settings { view, ..Settings::default() }, &shown).stages[0].entry;
             let own = format!("daa_view_{}", name.to_lowercase());
-            let holder = if entry == "daa_view_plan" { "daa_view_of_plan" } else { entry };
+            let holder = if ["daa_view_plan", "daa_view_lit"].contains(&entry) { "daa_view_of_plan" } else { entry };
             let case = cases.iter().position(|case| *case == (number, name.clone(), holder));
             assert!(case.is_some() != (entry == own), "{name} is {number} in {entry}, or has its own");
             if let Some(case) = case {

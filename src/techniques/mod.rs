@@ -10,6 +10,7 @@ mod rays;
 mod reconstructed;
 mod selective;
 mod single;
+mod surfaces;
 mod windowed;
 
 use crate::gpu::step::Step;
@@ -29,6 +30,7 @@ pub(crate) fn of(technique: Technique) -> &'static dyn Method {
         Technique::Reconstructed => &reconstructed::Reconstructed,
         Technique::Selective => &selective::Selective,
         Technique::MultiResolution => &multi_resolution::MultiResolution,
+        Technique::Surfaces => &surfaces::Surfaces,
     }
 }
 

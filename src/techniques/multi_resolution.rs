@@ -86,7 +86,7 @@ impl Method for MultiResolution {
             .then_all(levels(settings, LatticeUse::Shading, &refine::COLORS, shade))
             .then_if(more || settings.view != DebugView::Image, Step::on(to_pixels, PIXELS))
             .then_all(beyond)
-            .then(image_or_view(settings, &Shown { image, planned: true, classified, inputs }))
+            .then(image_or_view(settings, &Shown { image, planned: true, surfaces: false, classified, inputs }))
     }
 
     fn casting(&self, settings: &Settings, m: u32) -> CastingRanks {

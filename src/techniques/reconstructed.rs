@@ -45,7 +45,7 @@ impl Method for Reconstructed {
     }
 
     fn steps(&self, settings: &Settings, inputs: RayInputs) -> Steps {
-        let shown = Shown { image: &resolve::COLOR, planned: true, classified: inputs.any(), inputs };
+        let shown = Shown { image: &resolve::COLOR, planned: true, surfaces: false, classified: inputs.any(), inputs };
         Steps::default()
             .then_all(rays::classified(inputs))
             .then_all(rays::cast(inputs, CastSamples::First))

@@ -77,7 +77,10 @@ impl Method for Selective {
             .then_all(rays::cast_planned(inputs))
             .then(&list::PIXELS)
             .then(shade)
-            .then(image_or_view(settings, &Shown { image, planned: true, classified: inputs.any(), inputs }))
+            .then(image_or_view(
+                settings,
+                &Shown { image, planned: true, surfaces: false, classified: inputs.any(), inputs },
+            ))
     }
 
     fn order(&self, _: &Settings, m: u32) -> Vec<(u8, u8)> {

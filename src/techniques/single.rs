@@ -19,7 +19,7 @@ impl Method for Single {
     fn uniform(&self, _: &Settings, _: u32, _: Option<Effort>, _: &mut FrameUniform) {}
 
     fn steps(&self, settings: &Settings, inputs: RayInputs) -> Steps {
-        let shown = Shown { image: &resolve::FIRST, planned: false, classified: inputs.any(), inputs };
+        let shown = Shown { image: &resolve::FIRST, planned: false, surfaces: false, classified: inputs.any(), inputs };
         Steps::default()
             .then_all(rays::classified(inputs))
             .then_all(rays::cast(inputs, CastSamples::First))

@@ -48,7 +48,8 @@ impl Method for Windowed {
     }
 
     fn steps(&self, settings: &Settings, inputs: RayInputs) -> Steps {
-        let shown = Shown { image: &resolve::BY_PLAN, planned: true, classified: inputs.any(), inputs };
+        let shown =
+            Shown { image: &resolve::BY_PLAN, planned: true, surfaces: false, classified: inputs.any(), inputs };
         let steps = Steps::default()
             .then_all(rays::classified(inputs))
             .then_all(rays::cast(inputs, CastSamples::First))

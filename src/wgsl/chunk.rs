@@ -49,6 +49,7 @@ chunks! {
     LATTICE_RAYS: "swap/lattice_rays.wgsl",
     RESULTS_BY_RANK: "swap/results_by_rank.wgsl",
     RESULTS_PLANNED: "swap/results_planned.wgsl",
+    MASKS: "surfaces/masks.wgsl",
     TILE_SUM: "shared/tile_sum.wgsl",
     SCAN: "shared/scan.wgsl",
     RAYS: "rays/rays.wgsl",

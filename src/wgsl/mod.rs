@@ -38,6 +38,8 @@ pub(crate) struct HostSource {
     sky: bool,
     /// Whether it has `solid`, for masked materials.
     pub solid: bool,
+    /// Whether it has `spread`, for `Surfaces`.
+    spread: bool,
     /// Whether it has `reflection`, for reflections and refractions.
     pub reflects: bool,
     /// The attributes of a sample that it reads and a G-buffer may leave out: the field, and its first line and column.
@@ -52,6 +54,7 @@ const MATERIAL: (&str, &str) = ("material", "fn material(s: DaaSample) -> DaaMat
 const LIGHT: (&str, &str) = ("light", "fn light(f: DaaSurface, m: DaaMaterial) -> vec4f");
 const SKY: (&str, &str) = ("sky", "fn sky(s: DaaSample) -> vec4f");
 const REFLECTION: (&str, &str) = ("reflection", "fn reflection(s: DaaSample) -> DaaReflection");
+const SPREAD: (&str, &str) = ("spread", "fn spread(m: DaaMaterial) -> DaaSpread");
 const SOLID: (&str, &str) = ("solid", "fn solid(material: u32, uv: vec2f) -> bool");
 
 /// A type of a hook's signature.
@@ -114,6 +117,8 @@ impl HostSource {
         let sky = joined.signature(file, &module, SKY, &[Type::Struct("DaaSample")], Type::VEC4F)?;
         let reflects =
             joined.signature(file, &module, REFLECTION, &[Type::Struct("DaaSample")], Type::Struct("DaaReflection"))?;
+        let spread =
+            joined.signature(file, &module, SPREAD, &[Type::Struct("DaaMaterial")], Type::Struct("DaaSpread"))?;
         let solid = joined.signature(file, &module, SOLID, &[Type::U32, Type::VEC2F], Type::BOOL)?;
 
         let capabilities = wgpu_naga_bridge::features_to_naga_capabilities(features, wgpu::DownlevelFlags::all());
@@ -128,7 +133,7 @@ impl HostSource {
             }
         }
         let reads = joined.channels(&module, &info);
-        Ok(Self { source: source.to_owned(), tier, split, sky, solid, reflects, reads })
+        Ok(Self { source: source.to_owned(), tier, split, sky, solid, spread, reflects, reads })
     }
 
     /// Checks that the source reads nothing that a stored G-buffer leaves out. `file` is named in the error.
@@ -151,6 +156,25 @@ impl HostSource {
             "fn daa_call_sky(s: DaaSample) -> vec4f { return vec4f(0.0); }"
         };
         [hook, sky]
+    }
+
+    /// The functions through which `light` of `Surfaces` calls the host's functions apart.
+    pub fn split_calls(&self) -> [&'static str; 2] {
+        let split = if self.split {
+            "const DAA_SPLIT_HOOK: bool = true;
+fn daa_call_material(s: DaaSample) -> DaaMaterial { return material(s); }
+fn daa_call_light(f: DaaSurface, m: DaaMaterial) -> vec4f { return light(f, m); }"
+        } else {
+            "const DAA_SPLIT_HOOK: bool = false;
+fn daa_call_material(s: DaaSample) -> DaaMaterial { return DaaMaterial(); }
+fn daa_call_light(f: DaaSurface, m: DaaMaterial) -> vec4f { return vec4f(0.0); }"
+        };
+        let spread = if self.spread {
+            "fn daa_call_spread(m: DaaMaterial) -> DaaSpread { return spread(m); }"
+        } else {
+            "fn daa_call_spread(m: DaaMaterial) -> DaaSpread { return daa_default_spread(m); }"
+        };
+        [split, spread]
     }
 
     /// The body of the function that rays call for masked meshes.
@@ -367,9 +391,9 @@ fn one_line(text: &str) -> String {
 /// would change the meaning of the crate's code. A test compares the list with the shaders.
 #[rustfmt::skip]
 pub(crate) const BUILTINS: &[&str] = &[
-    "RayDesc", "abs", "all", "any", "array", "arrayLength", "atan2", "atomic", "atomicAdd", "atomicLoad", "atomicOr", "atomicStore", "binding_array",
+    "RayDesc", "abs", "all", "any", "array", "arrayLength", "atan2", "atomic", "atomicAdd", "atomicLoad", "atomicMax", "atomicOr", "atomicStore", "binding_array",
     "bitcast", "bool", "clamp", "cos", "countOneBits", "cross", "dot", "exp2", "f32", "firstLeadingBit", "firstTrailingBit", "floor", "fract", "i32", "inverseSqrt", "length", "log2",
-    "mat3x3f", "mat4x2f", "mat4x4f", "max", "min", "normalize", "pack2x16snorm", "pack4x8unorm", "pow", "rayQueryConfirmIntersection", "rayQueryGetCandidateIntersection", "rayQueryGetCommittedIntersection",
+    "mat3x3f", "mat4x2f", "mat4x4f", "max", "min", "mix", "normalize", "pack2x16float", "pack2x16snorm", "pack4x8unorm", "pow", "rayQueryConfirmIntersection", "rayQueryGetCandidateIntersection", "rayQueryGetCommittedIntersection",
     "rayQueryInitialize", "rayQueryProceed", "reflect", "refract", "round", "sampler", "select", "sign", "sin", "sqrt", "textureLoad",
     "textureSampleGrad", "textureStore", "texture_2d", "texture_2d_array", "texture_storage_2d",
     "u32", "unpack2x16float", "unpack2x16snorm", "unpack4x8snorm", "unpack4x8unorm", "vec2f", "vec2i", "vec2u",

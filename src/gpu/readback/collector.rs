@@ -225,6 +225,7 @@ fn read(bytes: &[u8], recorded: &Recorded, timed_passes: usize, nanoseconds_per_
         negative: counters.negative,
         overflowed_tiles: counters.overflowed_tiles,
         without_rays: counters.without_rays,
+        surfaces: counters.surfaces,
         shadow_rays: counters.shadow_rays,
         reflection_rays: counters.reflection_rays,
         refraction_rays: counters.refraction_rays,

@@ -70,6 +70,22 @@ pub(crate) struct MultiResolutionUniform {
     pub padding: [u32; 2],
 }
 
+/// `DaaSurfaces` of frame.wgsl.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub(crate) struct SurfacesUniform {
+    pub normal_cosine: f32,
+    pub plane: f32,
+    pub most: u32,
+    pub taps: u32,
+    pub first_taps: u32,
+    pub most_groups: u32,
+    pub tap_spread: f32,
+    pub spread: f32,
+    pub widening: f32,
+    pub padding: [u32; 3],
+}
+
 /// `DaaResults` of frame.wgsl.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
@@ -117,6 +133,7 @@ pub(crate) struct FrameUniform {
     pub reconstruct: ReconstructUniform,
     pub selective: SelectiveUniform,
     pub multi_resolution: MultiResolutionUniform,
+    pub surfaces: SurfacesUniform,
     pub order: [[u32; 4]; 16],
     pub centres: [[f32; 4]; 32],
 }
@@ -149,6 +166,7 @@ pub(crate) mod flag {
     pub const SUPERSAMPLED: u32 = 1 << 24;
     pub const LATTICE: u32 = 1 << 25;
     pub const REFLECTS: u32 = 1 << 26;
+    pub const SURFACES: u32 = 1 << 27;
 }
 
 impl FrameUniform {

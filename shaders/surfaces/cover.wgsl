@@ -1,0 +1,106 @@
+// cover: gathers the samples of each window into surfaces: samples of one material and object whose normals and planes
+// agree. The share of the window that a surface covers is then counted instead of estimated. CPU twin:
+// src/reference/surfaces/cover.rs.
+
+@group(3) @binding(0) var<storage, read_write> daa_surfaces: array<u32>;
+@group(3) @binding(1) var<storage, read_write> daa_counts: array<u32>;
+
+/// What a sample shows.
+struct DaaSeen {
+    relative_position: vec3f,
+    identity: u32,
+    normal: vec3f,
+    sky: bool,
+}
+
+fn daa_seen(pixel: vec2u, rank: u32) -> DaaSeen {
+    let at = pixel * DAA_M + daa_order(rank);
+    let d = daa_depth_at(at);
+    if d <= DAA_SKY_DEPTH {
+        return DaaSeen(vec3f(0.0), 0u, vec3f(0.0), true);
+    }
+    let surface = daa_surface_at(at);
+    let normal = daa_octahedral_decode(unpack2x16snorm(surface.x));
+    return DaaSeen(daa_relative_position(vec2f(at) + 0.5, d), surface.y, normal, false);
+}
+
+/// Whether a sample lies on the surface of another one. Written so that NaN does not.
+fn daa_is_same_surface(a: DaaSeen, b: DaaSeen) -> bool {
+    if a.sky || b.sky {
+        return a.sky && b.sky;
+    }
+    let off = abs(dot(a.normal, b.relative_position - a.relative_position));
+    let near = off <= daa_frame.surfaces.plane * abs(dot(a.relative_position, daa_frame.camera_forward));
+    return a.identity == b.identity && near && dot(a.normal, b.normal) >= daa_frame.surfaces.normal_cosine;
+}
+
+/// How many of the window's samples cast rays. Where the bits of all windows around agree, and one surface fills this
+/// window, the first sample speaks for all.
+fn daa_rays_wanted(pixel: vec2u, surfaces: u32) -> u32 {
+    let n = DAA_M * DAA_M;
+    let bits = daa_shadow_bits(pixel, 0u);
+    var differs = surfaces > 1u;
+    for (var i = 0u; i < 9u; i++) {
+        let beside = vec2i(pixel) + vec2i(i32(i % 3u), i32(i / 3u)) - 1;
+        let inside = clamp(beside, vec2i(0), vec2i(daa_frame.size) - 1);
+        differs = differs || daa_shadow_bits(vec2u(inside), 0u) != bits;
+    }
+    let reflects = daa_reflection_code(pixel, 0u) != 0u;
+    return select(select(1u, min(n, 4u), reflects), n, differs);
+}
+
+@compute @workgroup_size(8, 8)
+fn daa_cover_main(
+    @builtin(global_invocation_id) id: vec3u,
+    @builtin(workgroup_id) tile: vec3u,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let pixel = id.xy;
+    let slot = daa_tile_index(tile.xy) * 64u + lane;
+    if !daa_is_shown(pixel) {
+        daa_surfaces[slot] = 0u;
+        daa_counts[slot] = 0u;
+        return;
+    }
+    let most = daa_frame.surfaces.most;
+    var left = daa_all_ranks();
+    var low = vec2u(0u);
+    var middle = vec2u(0u);
+    var high = vec2u(0u);
+    var surfaces = 0u;
+    var merged = false;
+    while any(left != vec2u(0u)) {
+        let first = daa_least(left);
+        let seen = daa_seen(pixel, first);
+        var same = daa_with(vec2u(0u), first);
+        for (var queue = daa_without_least(left); any(queue != vec2u(0u)); queue = daa_without_least(queue)) {
+            let rank = daa_least(queue);
+            if daa_is_same_surface(seen, daa_seen(pixel, rank)) {
+                same = daa_with(same, rank);
+            }
+        }
+        if surfaces + 1u == most {
+            merged = any(same != left);
+            same = left;
+        }
+        low |= select(vec2u(0u), same, (surfaces & 1u) != 0u);
+        middle |= select(vec2u(0u), same, (surfaces & 2u) != 0u);
+        high |= select(vec2u(0u), same, (surfaces & 4u) != 0u);
+        left &= ~same;
+        surfaces += 1u;
+    }
+    daa_surfaces[slot] = daa_surface_word(surfaces, merged);
+    daa_counts[slot] = daa_count_word(daa_rays_wanted(pixel, surfaces), DAA_BY_NOTHING, 0u);
+    if surfaces == 1u {
+        return;
+    }
+    daa_surfaces[daa_label_index(slot, 0u)] = low.x;
+    daa_surfaces[daa_label_index(slot, 1u)] = middle.x;
+    daa_surfaces[daa_label_index(slot, 2u)] = high.x;
+    if DAA_M > 5u {
+        let slots = daa_tile_count() * 64u;
+        daa_surfaces[daa_label_index(slot, 0u) + slots] = low.y;
+        daa_surfaces[daa_label_index(slot, 1u) + slots] = middle.y;
+        daa_surfaces[daa_label_index(slot, 2u) + slots] = high.y;
+    }
+}

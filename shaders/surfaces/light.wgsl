@@ -1,0 +1,570 @@
+// light: reads the material of each surface at several taps, gathers the taps that would be lit alike into groups, and
+// lights each group once. CPU twin: src/reference/surfaces/light.rs.
+
+@group(3) @binding(0) var<storage, read_write> daa_surfaces: array<u32>;
+@group(3) @binding(1) var<storage, read> daa_plan: array<u32>;
+@group(3) @binding(2) var daa_color: texture_storage_2d<rgba32float, write>;
+@group(3) @binding(3) var<storage, read_write> daa_statistics: DaaStatistics;
+@group(3) @binding(4) var<storage, read_write> daa_list_out: DaaWindowList;
+@group(3) @binding(5) var<storage, read> daa_list: array<u32>;
+
+/// The number of taps of a surface is at most this.
+const DAA_MOST_TAPS: u32 = 16u;
+
+/// What is known of a set of taps: sums over them.
+struct DaaGathered {
+    taps: f32,
+    material: DaaMaterial,
+    relative_position: vec3f,
+    normal: vec3f,
+    /// Of taps with rays of their own.
+    reflected: vec3f,
+    own: f32,
+    traced: u32,
+    /// The shadow bits that any tap has, and that all have.
+    any_shadow: u32,
+    all_shadow: u32,
+    /// The first tap's spread. Sums are of differences to it, so that they keep their precision.
+    from_shape: vec4f,
+    from_tint: vec4f,
+    shape: vec4f,
+    tint: vec4f,
+    squared_shape: f32,
+    squared_tint: f32,
+    /// The radiance of taps that show the sky, which are not among the others, and their number.
+    sky: vec4f,
+    sky_taps: f32,
+}
+
+/// The features of a tap that decide which taps share a light, where the host has no `spread`.
+fn daa_default_spread(m: DaaMaterial) -> DaaSpread {
+    let color = max(m.base_color.rgb, vec3f(0.0));
+    let specular = mix(vec3f(0.04), color, m.metallic);
+    let diffuse = color * (1.0 - m.metallic);
+    let alpha = max(m.roughness * m.roughness, 0.002);
+    let sharpness = sqrt(max(daa_luminance(specular) / alpha + 0.1 * daa_luminance(diffuse), 0.0));
+    let shown = sqrt(max(specular + diffuse, vec3f(0.0)) + clamp(m.emissive, vec3f(0.0), vec3f(1.0)));
+    return DaaSpread(vec4f(m.normal * sharpness, 0.3 * m.roughness), vec4f(shown, 1.5 * m.metallic));
+}
+
+/// NaN and infinity become 0, so that they can't keep a surface from being cut.
+fn daa_finite(v: vec4f) -> vec4f {
+    let exponents = bitcast<vec4u>(v) & vec4u(0x7f800000u);
+    return select(clamp(v, vec4f(-6e4), vec4f(6e4)), vec4f(0.0), exponents == vec4u(0x7f800000u));
+}
+
+fn daa_spread(m: DaaMaterial) -> DaaSpread {
+    let spread = daa_call_spread(m);
+    return DaaSpread(daa_finite(spread.shape), daa_finite(spread.tint));
+}
+
+/// Adds a tap to those gathered.
+fn daa_gather(to: DaaGathered, s: DaaSample, m: DaaMaterial, spread: DaaSpread) -> DaaGathered {
+    var g = to;
+    if g.taps == 0.0 {
+        g.from_shape = spread.shape;
+        g.from_tint = spread.tint;
+        g.all_shadow = 0xffffffffu;
+    }
+    g.taps += 1.0;
+    g.material.base_color += m.base_color;
+    g.material.emissive += m.emissive;
+    g.material.roughness += m.roughness;
+    g.material.normal += m.normal;
+    g.material.metallic += m.metallic;
+    g.material.user0 += m.user0;
+    g.material.user1 += m.user1;
+    g.material.occlusion += m.occlusion;
+    g.relative_position += s.relative_position;
+    g.normal += s.normal;
+    let own = s.traced != 0u && daa_has_results(s.pixel - daa_frame.origin, s.rank);
+    g.reflected += select(vec3f(0.0), s.reflected, own);
+    g.own += f32(own);
+    g.traced |= s.traced;
+    g.any_shadow |= s.shadow;
+    g.all_shadow &= s.shadow;
+    let shape = spread.shape - g.from_shape;
+    let tint = spread.tint - g.from_tint;
+    g.shape += shape;
+    g.tint += tint;
+    g.squared_shape += dot(shape, shape);
+    g.squared_tint += dot(tint, tint);
+    return g;
+}
+
+/// The sums of squared deviations from the mean, of the shape and of the tint.
+fn daa_deviations(g: DaaGathered) -> vec2f {
+    let shape = g.squared_shape - dot(g.shape, g.shape) / g.taps;
+    return max(vec2f(shape, g.squared_tint - dot(g.tint, g.tint) / g.taps), vec2f(0.0));
+}
+
+/// The weight of a squared deviation of the tint where lights are shared. Light is multiplied by it, and the product of
+/// the means is close to the mean of the products.
+const DAA_TINT_WEIGHT: f32 = 0.04;
+
+fn daa_light_deviation(deviations: vec2f) -> f32 {
+    return deviations.x + DAA_TINT_WEIGHT * deviations.y;
+}
+
+/// The mean material. What the mean normal has lost in length becomes roughness: κ of a von Mises–Fisher distribution
+/// (Banerjee et al. 2005) as slopes that widen the lobe (Tokuyoshi, Kaplanyan 2019, "Improved Geometric Specular
+/// Antialiasing", equation 5).
+fn daa_mean_material(g: DaaGathered) -> DaaMaterial {
+    let share = 1.0 / g.taps;
+    var m: DaaMaterial;
+    m.base_color = g.material.base_color * share;
+    m.emissive = g.material.emissive * share;
+    m.roughness = g.material.roughness * share;
+    m.metallic = g.material.metallic * share;
+    m.user0 = g.material.user0 * share;
+    m.user1 = g.material.user1 * share;
+    m.occlusion = g.material.occlusion * share;
+    let mean = g.material.normal * share;
+    let squared = dot(mean, mean);
+    // Normals that cancel leave the surface's own.
+    m.normal = select(g.normal * inverseSqrt(max(dot(g.normal, g.normal), 1e-30)), mean * inverseSqrt(max(squared, 1e-30)), squared > 1e-6);
+    m.roughness = daa_widened(m.roughness, sqrt(min(squared, 1.0)));
+    return m;
+}
+
+/// The perceptual roughness that also stands for normals whose mean has this length.
+fn daa_widened(roughness: f32, length: f32) -> f32 {
+    let lost = 1.0 - length * length;
+    if !(lost > 1e-5) || daa_frame.surfaces.widening == 0.0 {
+        return roughness;
+    }
+    let kappa = (3.0 * length - length * length * length) / lost;
+    let alpha = clamp(roughness * roughness, 0.0, 1.0);
+    let squared = alpha * alpha;
+    let slopes = squared / max(1.0 - squared, 1e-6);
+    var widened = slopes + 2.0 * daa_frame.surfaces.widening / max(kappa, 1e-6);
+    widened = select(widened, min(widened, 1.0), slopes < 1.0);
+    return sqrt(sqrt(widened / (1.0 + widened)));
+}
+
+/// Lights the taps once. `s` is one of those that show a surface, and `coverage` the share of the window that all have.
+fn daa_light(g: DaaGathered, s: DaaSample, coverage: f32) -> vec4f {
+    var radiance = vec4f(0.0);
+    if g.taps == 0.0 {
+        // Nothing but sky.
+    } else if DAA_SPLIT_HOOK {
+        var f = daa_surface(s, coverage);
+        f.relative_position = g.relative_position / g.taps;
+        f.position = f.relative_position + daa_frame.camera_position;
+        let towards = select(-f.relative_position, -daa_frame.camera_forward, daa_frame.orthographic != 0u);
+        f.view = towards * inverseSqrt(max(dot(towards, towards), 1e-30));
+        f.depth = max(dot(f.relative_position, daa_frame.camera_forward), 1e-30);
+        let squared = dot(g.normal, g.normal);
+        f.normal = select(s.normal, g.normal * inverseSqrt(max(squared, 1e-30)), squared > 1e-6);
+        f.shadow = g.all_shadow;
+        f.reflected = select(s.reflected, g.reflected / max(g.own, 1.0), g.own > 0.0);
+        f.traced = g.traced;
+        radiance = daa_call_light(f, daa_mean_material(g));
+    } else {
+        radiance = daa_call_hook(s, coverage);
+    }
+    let clean = daa_clean((radiance * g.taps + g.sky) / (g.taps + g.sky_taps));
+    if clean.what == DAA_NOT_FINITE {
+        atomicAdd(&daa_statistics.not_finite, 1u);
+    } else if clean.what == DAA_NEGATIVE {
+        atomicAdd(&daa_statistics.negative, 1u);
+    }
+    return clean.color;
+}
+
+/// Adds the colour of a share of the window.
+fn daa_covered(mean: DaaMean, c: vec4f, coverage: f32) -> DaaMean {
+    let by_luminance = daa_flag(DAA_FLAG_WEIGHT_LUMINANCE);
+    return daa_mean_add(mean, c, coverage * daa_weight(c, by_luminance, daa_frame.exposure));
+}
+
+/// The footprint of each of so many taps of so many samples.
+fn daa_tap_footprint(samples: u32, taps: u32) -> f32 {
+    return max(sqrt(f32(samples) / f32(taps)) * daa_frame.footprint, 1.0);
+}
+
+/// The offset from the mean place of the first taps of a surface to that of all its samples, in samples.
+fn daa_tap_offset(ranks: vec2u, samples: u32, taps: u32) -> vec2f {
+    if taps == samples {
+        return vec2f(0.0);
+    }
+    var all = vec2f(0.0);
+    var first = vec2f(0.0);
+    var i = 0u;
+    for (var queue = ranks; any(queue != vec2u(0u)); queue = daa_without_least(queue)) {
+        let place = vec2f(daa_order(daa_least(queue)));
+        all += place;
+        first += select(vec2f(0.0), place, i < taps);
+        i += 1u;
+    }
+    return all / f32(samples) - first / f32(taps);
+}
+
+/// The rank of the surface's sample that is nearest to its centroid, for hosts that shade a sample as a whole.
+fn daa_central(ranks: vec2u, samples: u32) -> u32 {
+    var centre = vec2f(0.0);
+    for (var queue = ranks; any(queue != vec2u(0u)); queue = daa_without_least(queue)) {
+        centre += vec2f(daa_order(daa_least(queue)));
+    }
+    centre /= f32(samples);
+    var nearest = 0u;
+    var least = 1e30;
+    for (var queue = ranks; any(queue != vec2u(0u)); queue = daa_without_least(queue)) {
+        let rank = daa_least(queue);
+        let apart = vec2f(daa_order(rank)) - centre;
+        if dot(apart, apart) < least {
+            least = dot(apart, apart);
+            nearest = rank;
+        }
+    }
+    return nearest;
+}
+
+/// Lights windows of one surface whose first taps are alike. The others are left to the list.
+@compute @workgroup_size(8, 8)
+fn daa_light_one(
+    @builtin(global_invocation_id) id: vec3u,
+    @builtin(workgroup_id) tile: vec3u,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let pixel = id.xy;
+    let slot = daa_tile_index(tile.xy) * 64u + lane;
+    let word = daa_surfaces[slot];
+    if daa_surface_count(word) != 1u {
+        return;
+    }
+    let n = DAA_M * DAA_M;
+    var taps = min(min(daa_frame.surfaces.first_taps, daa_frame.surfaces.taps), n);
+    var offset = vec2f(0.0);
+    if DAA_SPLIT_HOOK {
+        let pair = daa_frame.centres[(taps - 1u) >> 1u];
+        offset = select(pair.xy, pair.zw, (taps & 1u) == 0u);
+    } else {
+        taps = 1u;
+    }
+    let footprint = daa_tap_footprint(n, taps);
+    var g: DaaGathered;
+    var s: DaaSample;
+    for (var rank = 0u; rank < taps; rank++) {
+        let tap = daa_fetch(pixel, select(daa_central(daa_all_ranks(), n), rank, DAA_SPLIT_HOOK), footprint, offset);
+        if tap.depth == 0.0 {
+            g.sky_taps += 1.0;
+            g.sky += daa_call_sky(tap);
+        } else {
+            s = tap;
+            if DAA_SPLIT_HOOK {
+                let m = daa_call_material(tap);
+                g = daa_gather(g, tap, m, daa_spread(m));
+            } else {
+                g.taps = 1.0;
+            }
+        }
+    }
+    if DAA_SPLIT_HOOK && g.taps > 0.0 {
+        let deviations = daa_deviations(g) / g.taps;
+        let coarse = taps < min(daa_frame.surfaces.taps, n) && deviations.x + deviations.y > daa_frame.surfaces.tap_spread;
+        let apart = daa_light_deviation(deviations) > daa_frame.surfaces.spread && daa_frame.surfaces.most_groups > 1u;
+        if coarse || apart || g.any_shadow != g.all_shadow {
+            return;
+        }
+    }
+    let mean = daa_covered(DaaMean(), daa_light(g, s, 1.0), 1.0);
+    textureStore(daa_color, pixel, daa_mean_finish(mean));
+    daa_surfaces[slot] = daa_surface_word_lit(word, 1u, taps);
+}
+
+/// The windows that are left.
+struct DaaWindowList {
+    /// The workgroups of the dispatch.
+    groups_x: u32,
+    groups_y: atomic<u32>,
+    groups_z: u32,
+    count: atomic<u32>,
+    slots: array<u32>,
+}
+
+/// The number of workgroups in a row of the dispatch.
+const DAA_LIST_ROW: u32 = 16u;
+const DAA_LIST_LANES: u32 = 32u;
+
+/// Lists the windows that are left. A lane lists a whole tile.
+@compute @workgroup_size(64)
+fn daa_light_list(@builtin(global_invocation_id) id: vec3u) {
+    if id.x == 0u {
+        daa_list_out.groups_x = DAA_LIST_ROW;
+        daa_list_out.groups_z = 1u;
+    }
+    if id.x >= daa_tile_count() {
+        return;
+    }
+    let first_slot = id.x * 64u;
+    var left = 0u;
+    for (var i = 0u; i < 64u; i++) {
+        let word = daa_surfaces[first_slot + i];
+        left += u32(daa_surface_count(word) > 0u && daa_surface_lights(word) == 0u);
+    }
+    if left == 0u {
+        return;
+    }
+    // The order of the list differs from run to run, which changes nothing: each window is lit on its own.
+    var at = atomicAdd(&daa_list_out.count, left);
+    let row = DAA_LIST_ROW * DAA_LIST_LANES;
+    atomicMax(&daa_list_out.groups_y, (at + left + row - 1u) / row);
+    for (var i = 0u; i < 64u; i++) {
+        let word = daa_surfaces[first_slot + i];
+        if daa_surface_count(word) > 0u && daa_surface_lights(word) == 0u {
+            daa_list_out.slots[at] = first_slot + i;
+            at += 1u;
+        }
+    }
+}
+
+/// The spreads of the taps of each lane's surface, in halves, at DAA_LIST_LANES i + lane for its i-th tap. No lane
+/// reads those of another.
+var<workgroup> daa_tap_spreads: array<vec4u, 512>;
+
+fn daa_keep_spread(lane: u32, tap: u32, spread: DaaSpread) {
+    let shape = vec2u(pack2x16float(spread.shape.xy), pack2x16float(spread.shape.zw));
+    daa_tap_spreads[DAA_LIST_LANES * tap + lane] = vec4u(shape, pack2x16float(spread.tint.xy), pack2x16float(spread.tint.zw));
+}
+
+fn daa_kept_spread(lane: u32, tap: u32) -> DaaSpread {
+    let kept = daa_tap_spreads[DAA_LIST_LANES * tap + lane];
+    let shape = vec4f(unpack2x16float(kept.x), unpack2x16float(kept.y));
+    return DaaSpread(shape, vec4f(unpack2x16float(kept.z), unpack2x16float(kept.w)));
+}
+
+/// Up to eight sets of taps, 16 bits each.
+struct DaaGroups {
+    sets: vec4u,
+    count: u32,
+}
+
+fn daa_group(groups: DaaGroups, i: u32) -> u32 {
+    return (groups.sets[i >> 1u] >> ((i & 1u) * 16u)) & 0xffffu;
+}
+
+fn daa_set_group(groups: DaaGroups, i: u32, chosen: u32) -> DaaGroups {
+    var changed = groups;
+    let shift = (i & 1u) * 16u;
+    changed.sets[i >> 1u] = (groups.sets[i >> 1u] & ~(0xffffu << shift)) | (chosen << shift);
+    return changed;
+}
+
+/// The taps of a set that are cut off: those above the mean of the feature that deviates most, or those that lack a
+/// shadow bit that others have. 0 if nothing is cut: the deviation, times the share of the window that a tap has, is
+/// at most the setting `spread`.
+fn daa_cut(lane: u32, chosen: u32, share: f32, pixel: vec2u, ranks: vec2u) -> u32 {
+    var any_shadow = 0u;
+    var all_shadow = 0xffffffffu;
+    var shape = vec4f(0.0);
+    var tint = vec4f(0.0);
+    var squared_shape = vec4f(0.0);
+    var squared_tint = vec4f(0.0);
+    let base = daa_kept_spread(lane, firstTrailingBit(chosen));
+    for (var queue = chosen; queue != 0u; queue &= queue - 1u) {
+        let tap = firstTrailingBit(queue);
+        let bits = daa_shadow_bits(pixel, daa_nth_rank(ranks, tap));
+        any_shadow |= bits;
+        all_shadow &= bits;
+        let spread = daa_kept_spread(lane, tap);
+        let to_shape = spread.shape - base.shape;
+        let to_tint = spread.tint - base.tint;
+        shape += to_shape;
+        tint += to_tint;
+        squared_shape += to_shape * to_shape;
+        squared_tint += to_tint * to_tint;
+    }
+    var off = 0u;
+    if any_shadow != all_shadow {
+        let light = firstTrailingBit(any_shadow & ~all_shadow);
+        for (var queue = chosen; queue != 0u; queue &= queue - 1u) {
+            let tap = firstTrailingBit(queue);
+            let bits = daa_shadow_bits(pixel, daa_nth_rank(ranks, tap));
+            off |= (1u - ((bits >> light) & 1u)) << tap;
+        }
+        return off;
+    }
+    let taps = f32(countOneBits(chosen));
+    shape /= taps;
+    tint /= taps;
+    let of_shape = max(squared_shape - shape * shape * taps, vec4f(0.0));
+    let of_tint = max(squared_tint - tint * tint * taps, vec4f(0.0)) * DAA_TINT_WEIGHT;
+    if !((dot(of_shape, vec4f(1.0)) + dot(of_tint, vec4f(1.0))) * share > daa_frame.surfaces.spread) {
+        return 0u;
+    }
+    var feature = 0u;
+    var most = of_shape.x;
+    for (var i = 1u; i < 8u; i++) {
+        let deviation = select(of_shape[i & 3u], of_tint[i & 3u], i > 3u);
+        if deviation > most {
+            most = deviation;
+            feature = i;
+        }
+    }
+    for (var queue = chosen; queue != 0u; queue &= queue - 1u) {
+        let tap = firstTrailingBit(queue);
+        let spread = daa_kept_spread(lane, tap);
+        let value = select(spread.shape[feature & 3u] - base.shape[feature & 3u], spread.tint[feature & 3u] - base.tint[feature & 3u], feature > 3u);
+        let mean = select(shape[feature & 3u], tint[feature & 3u], feature > 3u);
+        off |= u32(value > mean) << tap;
+    }
+    return select(off, 0u, off == chosen);
+}
+
+/// Cuts the taps of a surface into groups that may share a light.
+fn daa_grouped(lane: u32, taps: u32, share: f32, pixel: vec2u, ranks: vec2u) -> DaaGroups {
+    var groups = DaaGroups(vec4u(0xffffu >> (16u - taps), 0u, 0u, 0u), 1u);
+    for (var i = 0u; i < groups.count && groups.count < daa_frame.surfaces.most_groups; ) {
+        let chosen = daa_group(groups, i);
+        let off = daa_cut(lane, chosen, share, pixel, ranks);
+        if off == 0u {
+            i += 1u;
+        } else {
+            groups = daa_set_group(groups, i, chosen & ~off);
+            groups = daa_set_group(groups, groups.count, off);
+            groups.count += 1u;
+        }
+    }
+    return groups;
+}
+
+/// The ranks of a surface.
+fn daa_label_ranks(slot: u32, label: u32, surfaces: u32) -> vec2u {
+    var ranks = daa_all_ranks();
+    if surfaces == 1u {
+        return ranks;
+    }
+    let slots = daa_tile_count() * 64u;
+    for (var bit = 0u; bit < 3u; bit++) {
+        let at = daa_label_index(slot, bit);
+        var chosen = vec2u(daa_surfaces[at], 0u);
+        if DAA_M > 5u {
+            chosen.y = daa_surfaces[at + slots];
+        }
+        ranks &= select(~chosen, chosen, ((label >> bit) & 1u) != 0u);
+    }
+    return ranks;
+}
+
+/// Lights the windows that are left: those of several surfaces, and those whose taps are not alike.
+@compute @workgroup_size(32)
+fn daa_light_listed(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
+    let index = (group.y * DAA_LIST_ROW + group.x) * DAA_LIST_LANES + lane;
+    if index >= daa_list[3] {
+        return;
+    }
+    let slot = daa_list[4u + index];
+    let pixel = daa_slot_pixel(slot);
+    let word = daa_surfaces[slot];
+    let surfaces = daa_surface_count(word);
+    let n = DAA_M * DAA_M;
+    var mean: DaaMean;
+    var lights = 0u;
+    var read = 0u;
+    // The surface, and its groups that are still to be lit. There is one call of each of the host's functions, as
+    // compilers copy them into every place.
+    var label = 0u;
+    var ranks = vec2u(0u);
+    var samples = 0u;
+    var taps = 0u;
+    var offset = vec2f(0.0);
+    var groups: DaaGroups;
+    var next = 0u;
+    loop {
+        var chosen: u32;
+        let grouped = next < groups.count;
+        if grouped {
+            chosen = daa_group(groups, next);
+            next += 1u;
+        } else {
+            if label == surfaces {
+                break;
+            }
+            ranks = daa_label_ranks(slot, label, surfaces);
+            label += 1u;
+            samples = daa_rank_count(ranks);
+            taps = min(min(daa_frame.surfaces.taps, DAA_MOST_TAPS), samples);
+            offset = daa_tap_offset(ranks, samples, taps);
+            if !DAA_SPLIT_HOOK {
+                taps = 1u;
+                offset = vec2f(0.0);
+            }
+            chosen = 0xffffu >> (16u - taps);
+        }
+        let footprint = daa_tap_footprint(samples, taps);
+        var g: DaaGathered;
+        var s: DaaSample;
+        for (var queue = chosen; queue != 0u; queue &= queue - 1u) {
+            let tap = firstTrailingBit(queue);
+            let rank = select(daa_central(ranks, samples), daa_nth_rank(ranks, tap), DAA_SPLIT_HOOK);
+            let one = daa_fetch(pixel, rank, footprint, offset);
+            read += 1u;
+            var spread: DaaSpread;
+            if one.depth == 0.0 {
+                g.sky_taps += 1.0;
+                g.sky += daa_call_sky(one);
+            } else {
+                s = one;
+                if DAA_SPLIT_HOOK {
+                    let m = daa_call_material(one);
+                    spread = daa_spread(m);
+                    g = daa_gather(g, one, m, spread);
+                } else {
+                    g.taps = 1.0;
+                }
+            }
+            if !grouped {
+                daa_keep_spread(lane, tap, spread);
+            }
+        }
+        let share = f32(samples) / f32(n * taps);
+        if DAA_SPLIT_HOOK && !grouped && g.taps > 0.0 && daa_frame.surfaces.most_groups > 1u {
+            let deviation = daa_light_deviation(daa_deviations(g)) * share;
+            if deviation > daa_frame.surfaces.spread || g.any_shadow != g.all_shadow {
+                groups = daa_grouped(lane, taps, share, pixel, ranks);
+                next = 0u;
+                if groups.count > 1u {
+                    continue;
+                }
+                next = groups.count;
+            }
+        }
+        let coverage = share * f32(countOneBits(chosen));
+        mean = daa_covered(mean, daa_light(g, s, coverage), coverage);
+        lights += 1u;
+    }
+    textureStore(daa_color, pixel, daa_mean_finish(mean));
+    daa_surfaces[slot] = daa_surface_word_lit(word, lights, read);
+}
+
+/// Counts what was lit. A lane counts a whole tile.
+@compute @workgroup_size(64)
+fn daa_light_count(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) lane: u32) {
+    if id.x < daa_tile_count() {
+        var taps = 0u;
+        var surfaces = 0u;
+        var merged = 0u;
+        var ones = 0u;
+        for (var i = 0u; i < 64u; i++) {
+            let word = daa_surfaces[id.x * 64u + i];
+            let lights = daa_surface_lights(word);
+            taps += daa_surface_taps(word);
+            surfaces += daa_surface_count(word);
+            merged += u32(daa_surface_merged(word));
+            if lights == 1u {
+                ones += 1u;
+            } else if lights > 1u {
+                atomicAdd(&daa_group_histogram[lights - 1u], 1u);
+            }
+        }
+        atomicAdd(&daa_group_histogram[0], ones);
+        atomicAdd(&daa_statistics.surfaces[0], surfaces);
+        atomicAdd(&daa_statistics.surfaces[1], taps);
+        if merged > 0u {
+            atomicAdd(&daa_statistics.surfaces[2], merged);
+        }
+    }
+    workgroupBarrier();
+    daa_add_histogram(lane);
+}

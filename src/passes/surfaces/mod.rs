@@ -1,0 +1,4 @@
+//! The passes of `Surfaces`.
+
+pub(crate) mod cover;
+pub(crate) mod light;

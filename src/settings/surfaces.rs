@@ -1,0 +1,88 @@
+//! Settings of `Technique::Surfaces`, and presets of them.
+
+use super::windowed::Preset;
+
+/// How [`Technique::Surfaces`](crate::Technique::Surfaces) tells surfaces apart, at how many taps it reads their
+/// materials, and which taps it lights together.
+///
+/// The *spread* of taps is the sum of the squared deviations of their features from the mean, each in proportion to the
+/// share of the window that the tap stands for. The features are what the host's `spread` returns for a material, or
+/// else `DaaSpread` of the contract as the crate computes it.
+///
+/// The default is [`Preset::Balanced`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
+pub struct Surfaces {
+    /// The spread above which taps do not share one light, 0 to 1e6. Higher: fewer lights, bumps and highlights are
+    /// smoothed. Lower: more lights, up to [`groups`](Self::groups) for each surface; 0: taps share a light only if
+    /// they are the same.
+    pub spread: f32,
+    /// The most groups of taps that a surface is cut into, 1 to 8, each of which is lit once. Higher: better where a
+    /// pixel holds bumps or highlights, at the price of more lights there. 1: one light for each surface, for which a
+    /// light is in shadow only where all its taps are.
+    pub groups: u32,
+    /// The most taps at which the material of a surface is read, 1 to 16. Higher: less aliasing of textures and normal
+    /// maps. Lower: fewer reads.
+    pub taps: u32,
+    /// The taps of a window of one surface before their spread decides whether it gets all [`taps`](Self::taps), 1 to
+    /// 16. Higher: sees more of what is small. Lower: fewer reads where a surface is even.
+    pub first_taps: u32,
+    /// The spread above which a window of one surface gets all its taps, with its colours at full weight, 0 to 1e6.
+    /// Higher: fewer taps. 0: all taps unless the first are the same.
+    pub tap_spread: f32,
+    /// The most surfaces that are told apart in a window, 1 to 6. The samples of further ones are merged into the last;
+    /// [`SurfaceCounts::merged`](crate::SurfaceCounts::merged) counts such windows. Higher: better foliage, ropes and
+    /// fences.
+    pub surfaces: u32,
+    /// The cosine of the angle between normals of one surface, -1 to 1. Higher: splits curved surfaces into more, each
+    /// with its own light. Lower: fewer lights on edges of low curvature.
+    pub normal_cosine: f32,
+    /// The distance of a sample to the plane of its surface, over that to the camera, 0 to 1. Higher: merges surfaces
+    /// that lie behind each other. Lower: splits curved ones.
+    pub plane: f32,
+    /// How much the length that a mean of normals loses widens the highlight, 0 to 1: the variance of slopes is twice
+    /// this over κ (Tokuyoshi, Kaplanyan 2019). Higher: blurs highlights that normal maps break up. Lower: they glitter.
+    pub widening: f32,
+    /// Scales the texture footprint of a tap, 0 to 4. At 1 it covers the samples that the tap stands for; it is never
+    /// smaller than the sample's own. Higher: blurrier textures. Lower: sharper ones, which shimmer if the surface has
+    /// few taps.
+    pub footprint: f32,
+}
+
+impl Surfaces {
+    /// The most taps of a surface.
+    pub(crate) const MOST_TAPS: u32 = 16;
+    /// The most groups of a surface.
+    pub(crate) const MOST_GROUPS: u32 = 8;
+    /// The most surfaces of a window: their labels have three bits, and a count of 7 must fit as well.
+    pub(crate) const MOST_SURFACES: u32 = 6;
+}
+
+impl Default for Surfaces {
+    fn default() -> Self {
+        Preset::Balanced.surfaces()
+    }
+}
+
+impl Preset {
+    /// The settings of [`Technique::Surfaces`](crate::Technique::Surfaces) of this preset.
+    pub fn surfaces(self) -> Surfaces {
+        let balanced = Surfaces {
+            spread: 0.05,
+            groups: 8,
+            taps: 16,
+            first_taps: 4,
+            tap_spread: 0.03,
+            surfaces: 6,
+            normal_cosine: 0.95,
+            plane: 0.01,
+            widening: 0.25,
+            footprint: 1.0,
+        };
+        match self {
+            Self::Fast => Surfaces { spread: 0.25, tap_spread: 0.1, ..balanced },
+            Self::Balanced => balanced,
+            Self::Quality => Surfaces { spread: 0.02, tap_spread: 0.01, ..balanced },
+        }
+    }
+}

@@ -1,0 +1,72 @@
+//! `Surfaces`: gathers the samples of a window into surfaces, reads their materials at several taps, and lights each
+//! group of taps that are alike once.
+
+use super::image::{Shown, image_or_view};
+use super::method::{Counted, Effort, Method, Windows, nothing};
+use super::rays;
+use crate::gpu::binding::PassData;
+use crate::gpu::sizes::CastingRanks;
+use crate::gpu::step::{Step, Steps};
+use crate::gpu::uniforms::casting::CastSamples;
+use crate::gpu::uniforms::frame::{FrameUniform, SurfacesUniform, flag};
+use crate::host::needs::RayInputs;
+use crate::host::plan::PlanWord;
+use crate::host::statistics::Counters;
+use crate::passes::surfaces::{cover, light};
+use crate::passes::{first, plan, resolve};
+use crate::settings::{DebugView, Settings};
+use crate::window;
+
+pub(super) struct Surfaces;
+
+impl Method for Surfaces {
+    fn uniform(&self, settings: &Settings, m: u32, _: Option<Effort>, uniform: &mut FrameUniform) {
+        let s = &settings.surfaces;
+        uniform.flag(flag::SURFACES, true);
+        uniform.footprint = s.footprint;
+        uniform.surfaces = SurfacesUniform {
+            normal_cosine: s.normal_cosine,
+            plane: s.plane,
+            most: s.surfaces,
+            taps: s.taps,
+            first_taps: s.first_taps,
+            most_groups: s.groups,
+            tap_spread: s.tap_spread,
+            spread: s.spread,
+            widening: s.widening,
+            padding: [0; 3],
+        };
+        uniform.set_centres(m, &window::order(m));
+    }
+
+    fn steps(&self, settings: &Settings, inputs: RayInputs) -> Steps {
+        let light: &'static PassData = if inputs.any() { &light::TRACED } else { &light::LIGHT };
+        let shown = Shown { image: &resolve::COLOR, planned: false, surfaces: true, classified: inputs.any(), inputs };
+        Steps::default()
+            .then_all(rays::classified(inputs))
+            .then_all(rays::cast(inputs, CastSamples::First))
+            .then_if(settings.view == DebugView::First, &first::FIRST)
+            .then(&cover::COVER)
+            .then_all(inputs.any().then(|| Step::from(&plan::PLAN)))
+            .then_all(rays::cast_planned(inputs))
+            .then(light)
+            .then(image_or_view(settings, &shown))
+    }
+
+    fn shaded(&self, _: &Settings, _: u32, _: PlanWord) -> Option<Vec<usize>> {
+        None
+    }
+
+    fn casting(&self, _: &Settings, _: u32) -> CastingRanks {
+        CastingRanks::Planned
+    }
+
+    fn count(&self, counters: &Counters, of: Windows) -> Counted {
+        Counted::by_k(counters, of.n, nothing(of))
+    }
+
+    fn apron(&self, _: &Settings, inputs: RayInputs) -> u32 {
+        // Shadow bits are compared with those of the windows around.
+        u32::from(inputs.any())
+    }
+}
