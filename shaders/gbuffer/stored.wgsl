@@ -7,6 +7,11 @@ fn daa_surface_at(at: vec2u) -> vec2u {
     return textureLoad(daa_gbuffer_surface, at, 0).xy;
 }
 
+/// Whether two samples are known to show one triangle.
+fn daa_is_same_triangle(a: vec2u, b: vec2u) -> bool {
+    return false;
+}
+
 /// material | object << 16.
 fn daa_identity_at(at: vec2u) -> u32 {
     return textureLoad(daa_gbuffer_surface, at, 0).y;

@@ -34,6 +34,19 @@ fn daa_is_same_surface(a: DaaSeen, b: DaaSeen) -> bool {
     return a.identity == b.identity && near && dot(a.normal, b.normal) >= daa_frame.surfaces.normal_cosine;
 }
 
+/// The rank, and those of the others that are known to show its triangle. They are judged together.
+fn daa_of_triangle(pixel: vec2u, rank: u32, others: vec2u) -> vec2u {
+    let corner = pixel * DAA_M;
+    var ranks = daa_with(vec2u(0u), rank);
+    for (var queue = others; any(queue != vec2u(0u)); queue = daa_without_least(queue)) {
+        let other = daa_least(queue);
+        if daa_is_same_triangle(corner + daa_order(rank), corner + daa_order(other)) {
+            ranks = daa_with(ranks, other);
+        }
+    }
+    return ranks;
+}
+
 /// How many of the window's samples cast rays. Where the bits of all windows around agree, and one surface fills this
 /// window, the first sample speaks for all.
 fn daa_rays_wanted(pixel: vec2u, surfaces: u32) -> u32 {
@@ -71,12 +84,15 @@ fn daa_cover_main(
     var merged = false;
     while any(left != vec2u(0u)) {
         let first = daa_least(left);
-        let seen = daa_seen(pixel, first);
-        var same = daa_with(vec2u(0u), first);
-        for (var queue = daa_without_least(left); any(queue != vec2u(0u)); queue = daa_without_least(queue)) {
-            let rank = daa_least(queue);
-            if daa_is_same_surface(seen, daa_seen(pixel, rank)) {
-                same = daa_with(same, rank);
+        var same = daa_of_triangle(pixel, first, left);
+        var others = left & ~same;
+        if any(others != vec2u(0u)) {
+            let seen = daa_seen(pixel, first);
+            while any(others != vec2u(0u)) {
+                let rank = daa_least(others);
+                let ranks = daa_of_triangle(pixel, rank, others);
+                same |= select(vec2u(0u), ranks, daa_is_same_surface(seen, daa_seen(pixel, rank)));
+                others &= ~ranks;
             }
         }
         if surfaces + 1u == most {

@@ -37,12 +37,14 @@ struct DaaGathered {
 }
 
 /// The features of a tap that decide which taps share a light, where the host has no `spread`.
-fn daa_default_spread(m: DaaMaterial) -> DaaSpread {
+fn daa_default_spread(s: DaaSample, m: DaaMaterial) -> DaaSpread {
     let color = max(m.base_color.rgb, vec3f(0.0));
     let specular = mix(vec3f(0.04), color, m.metallic);
     let diffuse = color * (1.0 - m.metallic);
     let alpha = max(m.roughness * m.roughness, 0.002);
-    let sharpness = sqrt(max(daa_luminance(specular) / alpha + 0.1 * daa_luminance(diffuse), 0.0));
+    let grazing = 1.0 - clamp(dot(m.normal, s.view), 0.0, 1.0);
+    let fresnel = mix(daa_luminance(specular), 1.0, grazing * grazing * grazing * grazing * grazing);
+    let sharpness = sqrt(max(fresnel / alpha + 1.5 * daa_luminance(diffuse), 0.0));
     let shown = sqrt(max(specular + diffuse, vec3f(0.0)) + clamp(m.emissive, vec3f(0.0), vec3f(1.0)));
     return DaaSpread(vec4f(m.normal * sharpness, 0.3 * m.roughness), vec4f(shown, 1.5 * m.metallic));
 }
@@ -53,8 +55,8 @@ fn daa_finite(v: vec4f) -> vec4f {
     return select(clamp(v, vec4f(-6e4), vec4f(6e4)), vec4f(0.0), exponents == vec4u(0x7f800000u));
 }
 
-fn daa_spread(m: DaaMaterial) -> DaaSpread {
-    let spread = daa_call_spread(m);
+fn daa_spread(s: DaaSample, m: DaaMaterial) -> DaaSpread {
+    let spread = daa_call_spread(s, m);
     return DaaSpread(daa_finite(spread.shape), daa_finite(spread.tint));
 }
 
@@ -101,6 +103,11 @@ fn daa_deviations(g: DaaGathered) -> vec2f {
 /// The weight of a squared deviation of the tint where lights are shared. Light is multiplied by it, and the product of
 /// the means is close to the mean of the products.
 const DAA_TINT_WEIGHT: f32 = 0.04;
+
+/// Whether the first taps are so far apart that all are read. The deviations of few from their own mean are too small.
+fn daa_coarse(deviations: vec2f, taps: u32) -> bool {
+    return (deviations.x + deviations.y) * f32(taps) > daa_frame.surfaces.tap_spread * f32(max(taps, 2u) - 1u);
+}
 
 fn daa_light_deviation(deviations: vec2f) -> f32 {
     return deviations.x + DAA_TINT_WEIGHT * deviations.y;
@@ -254,7 +261,7 @@ fn daa_light_one(
             s = tap;
             if DAA_SPLIT_HOOK {
                 let m = daa_call_material(tap);
-                g = daa_gather(g, tap, m, daa_spread(m));
+                g = daa_gather(g, tap, m, daa_spread(tap, m));
             } else {
                 g.taps = 1.0;
             }
@@ -262,7 +269,7 @@ fn daa_light_one(
     }
     if DAA_SPLIT_HOOK && g.taps > 0.0 {
         let deviations = daa_deviations(g) / g.taps;
-        let coarse = taps < min(daa_frame.surfaces.taps, n) && deviations.x + deviations.y > daa_frame.surfaces.tap_spread;
+        let coarse = taps < min(daa_frame.surfaces.taps, n) && daa_coarse(deviations, taps);
         let apart = daa_light_deviation(deviations) > daa_frame.surfaces.spread && daa_frame.surfaces.most_groups > 1u;
         if coarse || apart || g.any_shadow != g.all_shadow {
             return;
@@ -462,29 +469,37 @@ fn daa_light_listed(@builtin(workgroup_id) group: vec3u, @builtin(local_invocati
     var mean: DaaMean;
     var lights = 0u;
     var read = 0u;
-    // The surface, and its groups that are still to be lit. There is one call of each of the host's functions, as
-    // compilers copy them into every place.
+    // The surface, its taps, and its groups that are still to be lit. There is one call of each of the host's functions,
+    // as compilers copy them into every place.
     var label = 0u;
     var ranks = vec2u(0u);
     var samples = 0u;
     var taps = 0u;
     var offset = vec2f(0.0);
+    var again = false;
     var groups: DaaGroups;
     var next = 0u;
     loop {
-        var chosen: u32;
+        var chosen = 0u;
         let grouped = next < groups.count;
         if grouped {
             chosen = daa_group(groups, next);
             next += 1u;
         } else {
-            if label == surfaces {
-                break;
+            if !again {
+                if label == surfaces {
+                    break;
+                }
+                ranks = daa_label_ranks(slot, label, surfaces);
+                label += 1u;
+                samples = daa_rank_count(ranks);
             }
-            ranks = daa_label_ranks(slot, label, surfaces);
-            label += 1u;
-            samples = daa_rank_count(ranks);
             taps = min(min(daa_frame.surfaces.taps, DAA_MOST_TAPS), samples);
+            if !again && surfaces > 1u {
+                // A small surface has few taps at first, but one alone shows no spread.
+                taps = min(taps, max((daa_frame.surfaces.first_taps * samples + n - 1u) / n, 2u));
+            }
+            again = false;
             offset = daa_tap_offset(ranks, samples, taps);
             if !DAA_SPLIT_HOOK {
                 taps = 1u;
@@ -508,7 +523,7 @@ fn daa_light_listed(@builtin(workgroup_id) group: vec3u, @builtin(local_invocati
                 s = one;
                 if DAA_SPLIT_HOOK {
                     let m = daa_call_material(one);
-                    spread = daa_spread(m);
+                    spread = daa_spread(one, m);
                     g = daa_gather(g, one, m, spread);
                 } else {
                     g.taps = 1.0;
@@ -519,9 +534,16 @@ fn daa_light_listed(@builtin(workgroup_id) group: vec3u, @builtin(local_invocati
             }
         }
         let share = f32(samples) / f32(n * taps);
-        if DAA_SPLIT_HOOK && !grouped && g.taps > 0.0 && daa_frame.surfaces.most_groups > 1u {
-            let deviation = daa_light_deviation(daa_deviations(g)) * share;
-            if deviation > daa_frame.surfaces.spread || g.any_shadow != g.all_shadow {
+        if DAA_SPLIT_HOOK && !grouped && g.taps > 0.0 {
+            let deviations = daa_deviations(g) * share;
+            if taps < min(min(daa_frame.surfaces.taps, DAA_MOST_TAPS), samples) {
+                again = daa_coarse(deviations, taps) || g.any_shadow != g.all_shadow;
+                if again {
+                    continue;
+                }
+            }
+            let apart = daa_light_deviation(deviations) > daa_frame.surfaces.spread || g.any_shadow != g.all_shadow;
+            if apart && daa_frame.surfaces.most_groups > 1u {
                 groups = daa_grouped(lane, taps, share, pixel, ranks);
                 next = 0u;
                 if groups.count > 1u {
@@ -541,6 +563,8 @@ fn daa_light_listed(@builtin(workgroup_id) group: vec3u, @builtin(local_invocati
 /// Counts what was lit. A lane counts a whole tile.
 @compute @workgroup_size(64)
 fn daa_light_count(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_index) lane: u32) {
+    atomicStore(&daa_group_histogram[lane], 0u);
+    workgroupBarrier();
     if id.x < daa_tile_count() {
         var taps = 0u;
         var surfaces = 0u;

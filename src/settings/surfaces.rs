@@ -68,21 +68,21 @@ impl Preset {
     /// The settings of [`Technique::Surfaces`](crate::Technique::Surfaces) of this preset.
     pub fn surfaces(self) -> Surfaces {
         let balanced = Surfaces {
-            spread: 0.05,
+            spread: 0.015,
             groups: 8,
             taps: 16,
             first_taps: 4,
-            tap_spread: 0.03,
+            tap_spread: 0.01,
             surfaces: 6,
             normal_cosine: 0.95,
             plane: 0.01,
             widening: 0.25,
-            footprint: 1.0,
+            footprint: 0.5,
         };
         match self {
-            Self::Fast => Surfaces { spread: 0.25, tap_spread: 0.1, ..balanced },
+            Self::Fast => Surfaces { spread: 0.1, tap_spread: 0.03, ..balanced },
             Self::Balanced => balanced,
-            Self::Quality => Surfaces { spread: 0.02, tap_spread: 0.01, ..balanced },
+            Self::Quality => Surfaces { spread: 0.005, tap_spread: 0.001, first_taps: 8, ..balanced },
         }
     }
 }

@@ -54,7 +54,7 @@ const MATERIAL: (&str, &str) = ("material", "fn material(s: DaaSample) -> DaaMat
 const LIGHT: (&str, &str) = ("light", "fn light(f: DaaSurface, m: DaaMaterial) -> vec4f");
 const SKY: (&str, &str) = ("sky", "fn sky(s: DaaSample) -> vec4f");
 const REFLECTION: (&str, &str) = ("reflection", "fn reflection(s: DaaSample) -> DaaReflection");
-const SPREAD: (&str, &str) = ("spread", "fn spread(m: DaaMaterial) -> DaaSpread");
+const SPREAD: (&str, &str) = ("spread", "fn spread(s: DaaSample, m: DaaMaterial) -> DaaSpread");
 const SOLID: (&str, &str) = ("solid", "fn solid(material: u32, uv: vec2f) -> bool");
 
 /// A type of a hook's signature.
@@ -117,8 +117,13 @@ impl HostSource {
         let sky = joined.signature(file, &module, SKY, &[Type::Struct("DaaSample")], Type::VEC4F)?;
         let reflects =
             joined.signature(file, &module, REFLECTION, &[Type::Struct("DaaSample")], Type::Struct("DaaReflection"))?;
-        let spread =
-            joined.signature(file, &module, SPREAD, &[Type::Struct("DaaMaterial")], Type::Struct("DaaSpread"))?;
+        let spread = joined.signature(
+            file,
+            &module,
+            SPREAD,
+            &[Type::Struct("DaaSample"), Type::Struct("DaaMaterial")],
+            Type::Struct("DaaSpread"),
+        )?;
         let solid = joined.signature(file, &module, SOLID, &[Type::U32, Type::VEC2F], Type::BOOL)?;
 
         let capabilities = wgpu_naga_bridge::features_to_naga_capabilities(features, wgpu::DownlevelFlags::all());
@@ -170,9 +175,9 @@ fn daa_call_material(s: DaaSample) -> DaaMaterial { return DaaMaterial(); }
 fn daa_call_light(f: DaaSurface, m: DaaMaterial) -> vec4f { return vec4f(0.0); }"
         };
         let spread = if self.spread {
-            "fn daa_call_spread(m: DaaMaterial) -> DaaSpread { return spread(m); }"
+            "fn daa_call_spread(s: DaaSample, m: DaaMaterial) -> DaaSpread { return spread(s, m); }"
         } else {
-            "fn daa_call_spread(m: DaaMaterial) -> DaaSpread { return daa_default_spread(m); }"
+            "fn daa_call_spread(s: DaaSample, m: DaaMaterial) -> DaaSpread { return daa_default_spread(s, m); }"
         };
         [split, spread]
     }
