@@ -84,7 +84,7 @@ pub use host::graph::{
 };
 pub use host::intermediates::Intermediates;
 pub use host::needs::{CastingLight, Depth, MAX_CASTING_LIGHTS, Needs, ObjectImportance};
-pub use host::plan::{Attribute, DecidedBy, PlanWord, Slots};
+pub use host::plan::{Attribute, DecidedBy, PlanWord, Slots, SurfaceWord};
 pub use host::requirements::{Memory, Requirements};
 pub use host::shader::Shader;
 pub use host::statistics::{

@@ -374,6 +374,7 @@ impl DeferredAa {
             tile_lists: resources.buffer(Part::Tiles),
             reflections: resources.buffer(Part::Reflections),
             lattices: resources.buffer(Part::LatticePoints).zip(resources.buffer(Part::LatticeColors)).map(Into::into),
+            surfaces: resources.buffer(Part::SurfaceMasks),
         })
     }
 

@@ -42,4 +42,9 @@ pub struct Intermediates<'a> {
     /// [`Technique::MultiResolution`](crate::Technique::MultiResolution) has run: `daa_point_word` of lattice.wgsl; see
     /// `reference::multi_resolution`.
     pub lattices: Option<[&'a wgpu::Buffer; 2]>,
+    /// The surfaces of the windows, once [`Technique::Surfaces`](crate::Technique::Surfaces) has run: a
+    /// [`SurfaceWord`](crate::SurfaceWord) for each [slot](Self::slots), then the labels of samples as three bits, each
+    /// of which is a set of ranks: a word for each slot, or two words if m is above 5. Those of windows of one surface
+    /// are undefined.
+    pub surfaces: Option<&'a wgpu::Buffer>,
 }

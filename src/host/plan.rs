@@ -149,3 +149,31 @@ impl PlanWord {
         self.0 >> 16 & 15
     }
 }
+
+/// The word that [`Technique::Surfaces`](crate::Technique::Surfaces) has of a pixel:
+/// [`Intermediates::surfaces`](crate::Intermediates::surfaces). `shaders/surfaces/masks.wgsl` has the same accessors.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(transparent)]
+pub struct SurfaceWord(pub u32);
+
+impl SurfaceWord {
+    /// The number of surfaces in the window, 1 to 6; 0 outside the image.
+    pub fn surfaces(self) -> u32 {
+        self.0 & 7
+    }
+
+    /// Whether the window has more surfaces than are told apart, so that some were merged.
+    pub fn is_merged(self) -> bool {
+        self.0 & 8 != 0
+    }
+
+    /// The number of lights: the host's `light` was called so often for the window.
+    pub fn lights(self) -> u32 {
+        self.0 >> 8 & 127
+    }
+
+    /// The number of taps: the host's `material` was called so often for the window.
+    pub fn taps(self) -> u32 {
+        self.0 >> 16
+    }
+}

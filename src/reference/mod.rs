@@ -16,6 +16,7 @@ pub mod reconstruct;
 pub mod resolve;
 pub mod sample;
 pub mod selective;
+pub mod surfaces;
 pub mod triangle;
 pub mod visibility;
 pub mod window;

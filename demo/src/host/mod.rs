@@ -17,7 +17,7 @@ use deferred_aa::rays::{RayError, RayTier};
 use deferred_aa::{
     Band, BuildError, CastingLight, Channels, DebugView, DeferredAa, Depth, Descriptor, Effect, Frame, GBuffer,
     GBufferTier, Ids, Needs, ObjectImportance, Pass, PlanWord, RecordError, Rect, Settings, Shading, SizeError,
-    Statistics, Technique, TextureTier,
+    Statistics, SurfaceWord, Technique, TextureTier,
 };
 use glam::Vec3;
 use gpu::Gpu;
@@ -615,7 +615,7 @@ impl Host {
         self.aa.gbuffer().map_or(Vec::new(), |g| bytemuck::pod_collect_to_vec(&read(g)))
     }
 
-    /// k of each pixel in the last frame, whose technique is given.
+    /// k of each pixel in the last frame, whose technique is given; the number of lights with `Surfaces`.
     pub fn counts(&self, technique: Technique) -> Vec<u32> {
         self.counts_of(technique, [self.options.width, self.options.height])
     }
@@ -625,6 +625,11 @@ impl Host {
         match (technique, self.aa.intermediates()) {
             (Technique::Full, _) => uniform(self.options.m * self.options.m),
             (Technique::Single, _) | (_, None) => uniform(1),
+            (Technique::Surfaces, Some(passed)) => {
+                let words = passed.surfaces.map_or(Vec::new(), |buffer| self.gpu.read_buffer(buffer));
+                let words: Vec<SurfaceWord> = bytemuck::pod_collect_to_vec(&words);
+                pixels(size).map(|(x, y)| words[passed.slots.pixel(x, y)].lights()).collect()
+            }
             (_, Some(_)) => self.plan_of(size).into_iter().map(PlanWord::k).collect(),
         }
     }
@@ -634,11 +639,10 @@ impl Host {
         self.plan_of([self.options.width, self.options.height])
     }
 
-    fn plan_of(&self, [width, height]: [u32; 2]) -> Vec<PlanWord> {
+    fn plan_of(&self, size: [u32; 2]) -> Vec<PlanWord> {
         let Some(passed) = self.aa.intermediates() else { return Vec::new() };
         let plan: Vec<PlanWord> = bytemuck::pod_collect_to_vec(&self.gpu.read_buffer(passed.plan));
-        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-        pixels.map(|(x, y)| plan[passed.slots.pixel(x, y)]).collect()
+        pixels(size).map(|(x, y)| plan[passed.slots.pixel(x, y)]).collect()
     }
 
     /// The rays that each sample of the last frame sent, which showed [`DebugView::Rays`]: pixel by pixel from the top,
@@ -654,7 +658,7 @@ impl Host {
         let (width, height) = (self.options.width, self.options.height);
         let mut sent = Vec::with_capacity((width * height * n) as usize);
         let [of_shadows, of_others] = passed.traced.counts();
-        for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+        for (x, y) in pixels([width, height]) {
             sent.extend((0..n).map(|rank| {
                 let Some(place) = passed.traced.place(&plan, x, y, rank) else { return Sent::default() };
                 let shadow = shadows.get(of_shadows + place).copied().unwrap_or(0);
@@ -726,4 +730,9 @@ pub(crate) fn octahedral(code: u32) -> Vec3 {
     let z = 1.0 - x.abs() - y.abs();
     let fold = |a: f32, b: f32| if z >= 0.0 { a } else { (1.0 - b.abs()).copysign(a) };
     Vec3::new(fold(x, y), fold(y, x), z).normalize_or(Vec3::Z)
+}
+
+/// The pixels of an image, rows from the top.
+fn pixels([width, height]: [u32; 2]) -> impl Iterator<Item = (u32, u32)> {
+    (0..height).flat_map(move |y| (0..width).map(move |x| (x, y)))
 }

@@ -3,7 +3,7 @@
 use crate::host::gpu::Gpu;
 use crate::host::{Host, Shot};
 use crate::measure::quality::Quality;
-use deferred_aa::{Settings, TileCounts};
+use deferred_aa::{Settings, Technique, TileCounts};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -62,6 +62,9 @@ pub struct Samples {
     /// Shaded samples over w · h pixels.
     pub mean_k: f64,
     histogram_k: Vec<u32>,
+    /// Calls of the host's material: as many as shaded samples, except with `surfaces`, where a light may have several.
+    #[serde(default)]
+    pub taps: u64,
 }
 
 /// The rays that were traced, by kind.
@@ -148,6 +151,7 @@ impl Stats {
         let last = shots.last()?;
         let memory = host.aa.memory();
         let s = &last.statistics;
+        let taps = if settings.technique == Technique::Surfaces { s.surfaces.taps.into() } else { s.shaded };
         // A scene that traces nothing is what a visibility buffer is read with.
         let scenes = host.rays.iter().map(|rays| &rays.scene);
         let bytes =
@@ -161,7 +165,13 @@ impl Stats {
             settings,
             stall: host.options.stall,
             adapter: Adapter::of(&host.gpu),
-            samples: Samples { shaded: s.shaded, ratio: s.ratio, mean_k: s.mean_k, histogram_k: s.histogram_k.clone() },
+            samples: Samples {
+                shaded: s.shaded,
+                ratio: s.ratio,
+                mean_k: s.mean_k,
+                histogram_k: s.histogram_k.clone(),
+                taps,
+            },
             rays: Rays {
                 shadow: u64::from(s.shadow_rays),
                 reflection: u64::from(s.reflection_rays),

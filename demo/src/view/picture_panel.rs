@@ -6,7 +6,7 @@ use super::input::fly;
 use super::renderer::{Rendered, casts};
 use super::state::Side;
 use crate::host::Sent;
-use deferred_aa::{PlanWord, Settings};
+use deferred_aa::{PlanWord, Settings, Technique};
 use egui::{
     Align2, Color32, CursorIcon, FontId, Galley, Painter, PointerButton, Pos2, Rect, Response, Sense, Stroke,
     TextureId, Ui, pos2, vec2,
@@ -265,8 +265,9 @@ fn samples(painter: &Painter, clip: Rect, side: &Side, rendered: &Rendered, pixe
         Shaded::Places(places) => places.iter().filter(|&&p| p).count() as u32,
         Shaded::Count(k) => *k,
     };
-    let mut lines =
-        vec![format!("{}, {}   {count} of {} samples", pixel[0], pixel[1], m * m), format!("{r:.3} {g:.3} {b:.3}")];
+    let lit = rendered.settings.technique == Technique::Surfaces;
+    let of = if lit { "lights".to_owned() } else { format!("of {} samples", m * m) };
+    let mut lines = vec![format!("{}, {}   {count} {of}", pixel[0], pixel[1]), format!("{r:.3} {g:.3} {b:.3}")];
     lines.extend(rays(rendered, sent));
     let others = |s: &Sent| s.mirrored + s.refracted > 0;
     let casting = |s: &Sent| s.shadow > 0 || others(s);
@@ -274,7 +275,7 @@ fn samples(painter: &Painter, clip: Rect, side: &Side, rendered: &Rendered, pixe
         let pink = if sent.iter().any(others) { "; pink: mirrored or refracted" } else { "" };
         lines.push(format!("a dot: the sample sends rays{pink}"));
     }
-    if matches!(shaded, Shaded::Count(_)) {
+    if matches!(shaded, Shaded::Count(_)) && !lit {
         lines.push("the others are reconstructed".to_owned());
     }
     let galley = painter.layout_no_wrap(lines.join("\n"), FontId::proportional(12.0), Color32::WHITE);

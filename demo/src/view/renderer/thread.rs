@@ -9,7 +9,7 @@ use crate::host::{Host, HostError, Options};
 use crate::measure::reference;
 use crate::measure::stats::Stats;
 use crate::scene::open::open;
-use deferred_aa::{DebugView, Settings, Technique};
+use deferred_aa::{DebugView, PlanWord, Settings, Technique};
 use std::sync::{Arc, PoisonError};
 
 /// The state of a side.
@@ -233,10 +233,14 @@ impl Renderer {
         if let Some(own) = &mut self.sides[side] {
             own.owes_rays = settings.goal.is_none() && casts(&shot) != [false; 2];
         }
-        let planned = !matches!(settings.technique, Technique::Full | Technique::Single);
         let rendered = Rendered {
             picture: Arc::new(host.picture()),
-            plan: Arc::new(if planned { host.plan() } else { Vec::new() }),
+            plan: Arc::new(match settings.technique {
+                Technique::Full | Technique::Single => Vec::new(),
+                // Its plan is of rays alone.
+                Technique::Surfaces => host.counts(settings.technique).into_iter().map(PlanWord).collect(),
+                _ => host.plan(),
+            }),
             stats: Stats::new(host, settings, std::slice::from_ref(&shot), None).map(Arc::new),
             passes: [host.passes(&settings), host.passes(&every_effect(settings))],
             view,

@@ -1,0 +1,400 @@
+//! Twin of `shaders/surfaces/light.wgsl`: the taps of a surface, their groups, and their light.
+
+use super::cover::Covered;
+use crate::reference::resolve;
+use crate::settings::{Surfaces, Weight};
+use glam::DVec3;
+
+/// `DaaMaterial` of the contract.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Material {
+    /// Linear base colour and alpha.
+    pub base_color: [f64; 4],
+    /// Linear emitted radiance.
+    pub emissive: [f64; 3],
+    /// Perceptual roughness.
+    pub roughness: f64,
+    /// Normal after normal mapping.
+    pub normal: DVec3,
+    /// Metalness.
+    pub metallic: f64,
+    /// Ambient visibility.
+    pub occlusion: f64,
+}
+
+/// `DaaSpread` of the contract: what decides which taps share a light.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spread {
+    /// What light depends on in more than proportion.
+    pub shape: [f64; 4],
+    /// What light is multiplied by.
+    pub tint: [f64; 4],
+}
+
+/// What the host reads of a tap.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Tap {
+    /// The sky's radiance.
+    Sky([f64; 4]),
+    /// A surface.
+    Surface {
+        /// Position relative to the camera.
+        position: DVec3,
+        /// Unit interpolated normal.
+        normal: DVec3,
+        /// The shadow bits.
+        shadow: u32,
+        /// The host's material.
+        material: Material,
+    },
+}
+
+/// A lookup of a tap: the rank, the factor on the texture footprint, and the offset of the lookup in samples.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lookup {
+    /// The rank of the sample.
+    pub rank: usize,
+    /// The factor on the gradients of uv.
+    pub footprint: f64,
+    /// The offset along the surface, in samples.
+    pub offset: [f64; 2],
+}
+
+/// The surface that a group of taps is lit as.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Group {
+    /// Mean position relative to the camera.
+    pub position: DVec3,
+    /// Unit mean normal.
+    pub normal: DVec3,
+    /// The bits of lights that reach no tap.
+    pub shadow: u32,
+    /// The mean material.
+    pub material: Material,
+    /// The share of the window.
+    pub coverage: f64,
+}
+
+/// A window after it is lit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Lit {
+    /// The colour of the pixel.
+    pub color: [f64; 4],
+    /// The number of lights.
+    pub lights: u32,
+    /// The number of taps that were read.
+    pub taps: u32,
+    /// How near a decision came to its threshold, relative to it. GPU and twin may differ if rounding exceeds it.
+    pub margin: f64,
+}
+
+/// The weight of a squared deviation of the tint where lights are shared.
+const TINT_WEIGHT: f64 = 0.04;
+
+/// The most taps of a surface.
+const MOST_TAPS: usize = 16;
+
+fn luminance(c: [f64; 3]) -> f64 {
+    0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2]
+}
+
+/// The features of a material where the host has no `spread`. `view` is the unit vector to the camera.
+pub fn default_spread(m: &Material, view: DVec3) -> Spread {
+    let color: [f64; 3] = std::array::from_fn(|i| m.base_color[i].max(0.0));
+    let specular = color.map(|c| 0.04 + (c - 0.04) * m.metallic);
+    let diffuse = color.map(|c| c * (1.0 - m.metallic));
+    let alpha = (m.roughness * m.roughness).max(0.002);
+    let grazing = 1.0 - m.normal.dot(view).clamp(0.0, 1.0);
+    let fresnel = luminance(specular) + (1.0 - luminance(specular)) * grazing.powi(5);
+    let sharpness = (fresnel / alpha + 1.5 * luminance(diffuse)).max(0.0).sqrt();
+    let shown: [f64; 3] =
+        std::array::from_fn(|i| (specular[i] + diffuse[i]).max(0.0).sqrt() + m.emissive[i].clamp(0.0, 1.0));
+    let n = m.normal * sharpness;
+    Spread { shape: [n.x, n.y, n.z, 0.3 * m.roughness], tint: [shown[0], shown[1], shown[2], 1.5 * m.metallic] }
+}
+
+/// NaN and infinity become 0.
+fn finite(v: [f64; 4]) -> [f64; 4] {
+    v.map(|v| if v.is_finite() { v.clamp(-6e4, 6e4) } else { 0.0 })
+}
+
+/// The squared deviations from the mean of each feature, first those of the shape, then those of the tint.
+fn deviations(spreads: &[Spread]) -> [f64; 8] {
+    let feature = |s: &Spread, i: usize| if i < 4 { s.shape[i] } else { s.tint[i - 4] };
+    std::array::from_fn(|i| {
+        let mean = spreads.iter().map(|s| feature(s, i)).sum::<f64>() / spreads.len() as f64;
+        spreads.iter().map(|s| (feature(s, i) - mean).powi(2)).sum()
+    })
+}
+
+fn light_deviation(d: &[f64; 8]) -> f64 {
+    d[..4].iter().sum::<f64>() + TINT_WEIGHT * d[4..].iter().sum::<f64>()
+}
+
+/// The perceptual roughness that also stands for normals whose mean has this length (Tokuyoshi, Kaplanyan 2019).
+pub fn widened(roughness: f64, length: f64, widening: f64) -> f64 {
+    let lost = 1.0 - length * length;
+    if lost <= 1e-5 || widening == 0.0 {
+        return roughness;
+    }
+    let kappa = (3.0 * length - length.powi(3)) / lost;
+    let squared = (roughness * roughness).clamp(0.0, 1.0).powi(2);
+    let slopes = squared / (1.0 - squared).max(1e-6);
+    let mut widened = slopes + 2.0 * widening / kappa.max(1e-6);
+    if slopes < 1.0 {
+        widened = widened.min(1.0);
+    }
+    (widened / (1.0 + widened)).sqrt().sqrt()
+}
+
+/// The decisions on a surface's taps, with the margin to their thresholds.
+struct Decided {
+    margin: f64,
+}
+
+impl Decided {
+    fn above(&mut self, value: f64, threshold: f64) -> bool {
+        self.margin = self.margin.min((value - threshold).abs() / threshold.max(1e-12));
+        value > threshold
+    }
+}
+
+/// A window before it is lit, with the host's functions.
+pub struct Window<'a> {
+    /// The surfaces.
+    pub covered: &'a Covered,
+    /// The places of samples, by rank.
+    pub order: &'a [(u8, u8)],
+    /// The settings.
+    pub settings: &'a Surfaces,
+    /// How samples are weighted.
+    pub weight: Weight,
+    /// The exposure of the luminance weight.
+    pub exposure: f64,
+    /// What the host reads of a tap.
+    pub tap: &'a dyn Fn(Lookup) -> Tap,
+    /// The host's light.
+    pub light: &'a dyn Fn(&Group) -> [f64; 4],
+}
+
+impl Window<'_> {
+    /// Lights the window.
+    pub fn lit(&self) -> Lit {
+        let mut decided = Decided { margin: f64::INFINITY };
+        let (mut colors, mut shares, mut taps) = (Vec::new(), Vec::new(), 0);
+        for label in 0..self.covered.surfaces {
+            let ranks: Vec<usize> = (0..self.order.len()).filter(|&rank| self.covered.labels[rank] == label).collect();
+            for (color, share) in self.surface(&ranks, &mut taps, &mut decided) {
+                colors.push(resolve::clean(color));
+                shares.push(share);
+            }
+        }
+        let weights: Vec<f64> = colors
+            .iter()
+            .zip(&shares)
+            .map(|(c, share)| match self.weight {
+                Weight::Linear => *share,
+                Weight::Luminance => share / (1.0 + (luminance([c[0], c[1], c[2]]) * self.exposure).min(1e30)),
+            })
+            .collect();
+        let sum: f64 = weights.iter().sum();
+        let color = std::array::from_fn(|i| colors.iter().zip(&weights).map(|(c, w)| c[i] * w).sum::<f64>() / sum);
+        Lit { color, lights: colors.len() as u32, taps, margin: decided.margin }
+    }
+
+    /// The colours of a surface's groups, with their shares of the window.
+    fn surface(&self, ranks: &[usize], read: &mut u32, decided: &mut Decided) -> Vec<([f64; 4], f64)> {
+        let (s, n) = (self.settings, self.order.len());
+        let all = ranks.len().min(s.taps as usize).min(MOST_TAPS);
+        let first = s.first_taps as usize;
+        let few = if self.covered.surfaces == 1 { first } else { (first * ranks.len()).div_ceil(n).max(2) };
+        let mut taps = self.taps(ranks, few.min(all));
+        *read += taps.len() as u32;
+        let share = |taps: usize| ranks.len() as f64 / (n * taps) as f64;
+        if taps.len() < all {
+            let (d, mixed) = self.spread(&taps);
+            let count = taps.len() as f64;
+            let spread = (d.iter().sum::<f64>()) * share(taps.len()) * count;
+            let coarse = decided.above(spread, f64::from(s.tap_spread) * (count.max(2.0) - 1.0));
+            // A window of one surface is only lit at once if its first taps share a light.
+            let apart = self.covered.surfaces == 1
+                && s.groups > 1
+                && decided.above(light_deviation(&d) * share(taps.len()), f64::from(s.spread));
+            if coarse || apart || mixed {
+                taps = self.taps(ranks, all);
+                *read = if self.covered.surfaces == 1 { all as u32 } else { *read + all as u32 };
+            }
+        }
+        let share = share(taps.len());
+        let groups = self.groups(&taps, share, decided);
+        if groups.len() > 1 {
+            *read += taps.len() as u32;
+        }
+        let coverage = |group: &[usize]| share * group.len() as f64;
+        groups.iter().map(|group| (self.lit_group(&taps, group, coverage(group)), coverage(group))).collect()
+    }
+
+    /// Reads the first taps of a surface.
+    fn taps(&self, ranks: &[usize], taps: usize) -> Vec<Tap> {
+        let mean = |ranks: &[usize]| -> [f64; 2] {
+            let sum = ranks.iter().fold([0.0, 0.0], |sum, &rank| {
+                let (x, y) = self.order[rank];
+                [sum[0] + f64::from(x), sum[1] + f64::from(y)]
+            });
+            sum.map(|s| s / ranks.len() as f64)
+        };
+        let (of_all, of_taps) = (mean(ranks), mean(&ranks[..taps]));
+        let offset = [of_all[0] - of_taps[0], of_all[1] - of_taps[1]];
+        let footprint = ((ranks.len() as f64 / taps as f64).sqrt() * f64::from(self.settings.footprint)).max(1.0);
+        ranks[..taps].iter().map(|&rank| (self.tap)(Lookup { rank, footprint, offset })).collect()
+    }
+
+    fn spread_of(&self, tap: &Tap) -> Spread {
+        match tap {
+            Tap::Sky(_) => Spread { shape: [0.0; 4], tint: [0.0; 4] },
+            Tap::Surface { material, position, .. } => {
+                let spread = default_spread(material, -position.normalize());
+                Spread { shape: finite(spread.shape), tint: finite(spread.tint) }
+            }
+        }
+    }
+
+    /// The deviations of those taps that show a surface, and whether their shadow bits differ.
+    fn spread(&self, taps: &[Tap]) -> ([f64; 8], bool) {
+        let surfaces: Vec<&Tap> = taps.iter().filter(|tap| matches!(tap, Tap::Surface { .. })).collect();
+        let spreads: Vec<Spread> = surfaces.iter().map(|tap| self.spread_of(tap)).collect();
+        let bits: Vec<u32> = surfaces.iter().map(|tap| bits(tap)).collect();
+        (deviations(&spreads), bits.iter().any(|b| *b != bits[0]))
+    }
+
+    /// The groups of taps that share a light, as indices of taps.
+    fn groups(&self, taps: &[Tap], share: f64, decided: &mut Decided) -> Vec<Vec<usize>> {
+        let all: Vec<usize> = (0..taps.len()).collect();
+        let (d, mixed) = self.spread(taps);
+        let apart = decided.above(light_deviation(&d) * share, f64::from(self.settings.spread)) || mixed;
+        if self.settings.groups == 1 || !apart {
+            return vec![all];
+        }
+        let spreads: Vec<Spread> = taps.iter().map(|tap| self.spread_of(tap)).collect();
+        let mut groups = vec![all];
+        let mut i = 0;
+        while i < groups.len() && groups.len() < self.settings.groups as usize {
+            match self.cut(taps, &spreads, &groups[i], share, decided) {
+                Some(off) => {
+                    groups[i].retain(|tap| !off.contains(tap));
+                    groups.push(off);
+                }
+                None => i += 1,
+            }
+        }
+        groups
+    }
+
+    /// The taps of a group that are cut off.
+    fn cut(
+        &self,
+        taps: &[Tap],
+        spreads: &[Spread],
+        group: &[usize],
+        share: f64,
+        decided: &mut Decided,
+    ) -> Option<Vec<usize>> {
+        let any = group.iter().fold(0, |any, &tap| any | bits(&taps[tap]));
+        let all = group.iter().fold(u32::MAX, |all, &tap| all & bits(&taps[tap]));
+        if any != all {
+            let light = (any & !all).trailing_zeros();
+            return Some(group.iter().copied().filter(|&tap| bits(&taps[tap]) >> light & 1 == 0).collect());
+        }
+        let own: Vec<Spread> = group.iter().map(|&tap| spreads[tap]).collect();
+        let mut d = deviations(&own);
+        if !decided.above(light_deviation(&d) * share, f64::from(self.settings.spread)) {
+            return None;
+        }
+        d[4..].iter_mut().for_each(|d| *d *= TINT_WEIGHT);
+        let most = (0..8).fold(0, |most, i| if d[i] > d[most] { i } else { most });
+        let mut others: Vec<f64> = (0..8).filter(|&i| i != most).map(|i| d[i]).collect();
+        others.sort_by(f64::total_cmp);
+        decided.margin = decided.margin.min((d[most] - others[6]) / d[most].max(1e-12));
+        let value = |tap: usize| if most < 4 { spreads[tap].shape[most] } else { spreads[tap].tint[most - 4] };
+        let mean = group.iter().map(|&tap| value(tap)).sum::<f64>() / group.len() as f64;
+        let scale = group.iter().map(|&tap| (value(tap) - mean).abs()).fold(1e-12, f64::max);
+        for &tap in group {
+            decided.margin = decided.margin.min((value(tap) - mean).abs() / scale);
+        }
+        let off: Vec<usize> = group.iter().copied().filter(|&tap| value(tap) > mean).collect();
+        (!off.is_empty() && off.len() < group.len()).then_some(off)
+    }
+
+    fn lit_group(&self, taps: &[Tap], group: &[usize], coverage: f64) -> [f64; 4] {
+        let mut sky = [0.0; 4];
+        let mut count = 0.0;
+        let (mut position, mut normal, mut shadow) = (DVec3::ZERO, DVec3::ZERO, u32::MAX);
+        let mut m = Material::default();
+        for &tap in group {
+            match &taps[tap] {
+                Tap::Sky(radiance) => sky.iter_mut().zip(radiance).for_each(|(sum, c)| *sum += c),
+                Tap::Surface { position: p, normal: n, shadow: bits, material } => {
+                    count += 1.0;
+                    position += *p;
+                    normal += *n;
+                    shadow &= bits;
+                    m.base_color.iter_mut().zip(material.base_color).for_each(|(sum, c)| *sum += c);
+                    m.emissive.iter_mut().zip(material.emissive).for_each(|(sum, c)| *sum += c);
+                    m.roughness += material.roughness;
+                    m.normal += material.normal;
+                    m.metallic += material.metallic;
+                    m.occlusion += material.occlusion;
+                }
+            }
+        }
+        let mut radiance = [0.0; 4];
+        if count > 0.0 {
+            let mean = m.normal / count;
+            let cancels = mean.length_squared() <= 1e-6;
+            let material = Material {
+                base_color: m.base_color.map(|c| c / count),
+                emissive: m.emissive.map(|c| c / count),
+                roughness: widened(m.roughness / count, mean.length().min(1.0), f64::from(self.settings.widening)),
+                normal: if cancels { normal.normalize_or_zero() } else { mean.normalize() },
+                metallic: m.metallic / count,
+                occlusion: m.occlusion / count,
+            };
+            let group =
+                Group { position: position / count, normal: normal.normalize_or_zero(), shadow, material, coverage };
+            radiance = (self.light)(&group);
+        }
+        std::array::from_fn(|i| (radiance[i] * count + sky[i]) / group.len() as f64)
+    }
+}
+
+fn bits(tap: &Tap) -> u32 {
+    match tap {
+        Tap::Sky(_) => 0,
+        Tap::Surface { shadow, .. } => *shadow,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lost_length_widens_and_nothing_lost_does_not() {
+        assert_eq!(widened(0.3, 1.0, 0.25), 0.3);
+        assert_eq!(widened(0.3, 0.5, 0.0), 0.3);
+        let widths: Vec<f64> = (1..10).rev().map(|i| widened(0.3, f64::from(i) * 0.1, 0.25)).collect();
+        assert!(widths.windows(2).all(|w| w[0] <= w[1]) && widths[0] > 0.3, "{widths:?}");
+        // Slopes of a smooth surface widen to at most 1, α² = 1/2; a rough one stays below α = 1.
+        assert!(widened(0.3, 0.0, 1.0) <= 0.5_f64.powf(0.25) + 1e-12 && widened(1.0, 0.0, 1.0) <= 1.0);
+    }
+
+    #[test]
+    fn a_matt_wall_spreads_by_its_normal_and_metal_by_more() {
+        let stone =
+            Material { base_color: [0.5, 0.5, 0.5, 1.0], roughness: 0.9, normal: DVec3::Z, ..Default::default() };
+        let metal = Material { metallic: 1.0, roughness: 0.2, ..stone };
+        let length = |m: &Material| default_spread(m, DVec3::Z).shape[2];
+        assert!((length(&stone) - (0.04 / 0.81 + 0.75_f64).sqrt()).abs() < 1e-12);
+        assert!(length(&metal) > 3.0 * length(&stone));
+    }
+}

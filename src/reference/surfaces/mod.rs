@@ -1,0 +1,4 @@
+//! Twin of the passes of `Surfaces`.
+
+pub mod cover;
+pub mod light;
