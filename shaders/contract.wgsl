@@ -113,11 +113,12 @@ struct DaaMaterial {
 /// function the crate computes it from the normal, the colours and the roughness.
 struct DaaSpread {
     /// What light depends on in more than proportion, scaled so that a difference of 1 is seen: by default the normal
-    /// times √(F/α + 0.1 D), where F and D are the luminances of the specular and the diffuse colour and α is the
-    /// square of the roughness, and 0.3 times the roughness.
+    /// times √(F/α + 1.5 D), where F and D are the luminances of what is mirrored towards the camera and of the diffuse
+    /// colour and α is the square of the roughness, and 0.3 times the roughness.
     shape: vec4f,
     /// What light is multiplied by. It weighs less where samples share their light, since mean colours times mean light
-    /// come close, and as much where the number of samples is decided: by default √(F + D) of each channel.
+    /// come close, and as much where the number of samples is decided: by default √(F + D + E) of each channel, where E
+    /// is emission up to 1, and 1.5 times metalness.
     tint: vec4f,
 }
 

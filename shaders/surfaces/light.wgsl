@@ -358,6 +358,12 @@ fn daa_set_group(groups: DaaGroups, i: u32, chosen: u32) -> DaaGroups {
     return changed;
 }
 
+/// The shadow bits of a sample, none for the sky.
+fn daa_tap_bits(pixel: vec2u, rank: u32) -> u32 {
+    let d = daa_depth_at(pixel * DAA_M + daa_order(rank));
+    return select(0u, daa_shadow_bits(pixel, rank), d > DAA_SKY_DEPTH);
+}
+
 /// The taps of a set that are cut off: those above the mean of the feature that deviates most, or those that lack a
 /// shadow bit that others have. 0 if nothing is cut: the deviation, times the share of the window that a tap has, is
 /// at most the setting `spread`.
@@ -371,7 +377,7 @@ fn daa_cut(lane: u32, chosen: u32, share: f32, pixel: vec2u, ranks: vec2u) -> u3
     let base = daa_kept_spread(lane, firstTrailingBit(chosen));
     for (var queue = chosen; queue != 0u; queue &= queue - 1u) {
         let tap = firstTrailingBit(queue);
-        let bits = daa_shadow_bits(pixel, daa_nth_rank(ranks, tap));
+        let bits = daa_tap_bits(pixel, daa_nth_rank(ranks, tap));
         any_shadow |= bits;
         all_shadow &= bits;
         let spread = daa_kept_spread(lane, tap);
@@ -387,7 +393,7 @@ fn daa_cut(lane: u32, chosen: u32, share: f32, pixel: vec2u, ranks: vec2u) -> u3
         let light = firstTrailingBit(any_shadow & ~all_shadow);
         for (var queue = chosen; queue != 0u; queue &= queue - 1u) {
             let tap = firstTrailingBit(queue);
-            let bits = daa_shadow_bits(pixel, daa_nth_rank(ranks, tap));
+            let bits = daa_tap_bits(pixel, daa_nth_rank(ranks, tap));
             off |= (1u - ((bits >> light) & 1u)) << tap;
         }
         return off;

@@ -31,7 +31,7 @@ impl Traced {
         }
         let slot = self.slots.pixel(x, y);
         let word = *plan.get(slot)?;
-        let ranks = techniques::of(self.settings.technique).shaded(&self.settings, self.m, word)?;
+        let ranks = techniques::of(self.settings.technique).cast(&self.settings, self.m, word)?;
         let Some(in_window) = ranks.into_iter().position(|of| of == rank as usize) else {
             let (audited, in_row) = self.audited?;
             let tile = audited.place([x / TILE, y / TILE])?;

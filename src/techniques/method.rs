@@ -80,6 +80,11 @@ pub(crate) trait Method: Sync {
         Some((0..word.k() as usize).collect())
     }
 
+    /// The ranks of a window that cast rays, from its word of the plan: those that are shaded.
+    fn cast(&self, settings: &Settings, m: u32, word: PlanWord) -> Option<Vec<usize>> {
+        self.shaded(settings, m, word)
+    }
+
     /// The execution of its planned samples, `None` if it ignores the setting.
     fn execution(&self, _settings: &Settings) -> Option<Execution> {
         None

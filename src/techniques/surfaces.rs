@@ -57,6 +57,10 @@ impl Method for Surfaces {
         None
     }
 
+    fn cast(&self, _: &Settings, _: u32, word: PlanWord) -> Option<Vec<usize>> {
+        Some((0..word.k() as usize).collect())
+    }
+
     fn casting(&self, _: &Settings, _: u32) -> CastingRanks {
         CastingRanks::Planned
     }

@@ -15,7 +15,7 @@ const WIDTH: u32 = 21;
 const HEIGHT: u32 = 13;
 
 /// Every way to make an image.
-const WAYS: [(Technique, Execution); 10] = [
+const WAYS: [(Technique, Execution); 11] = [
     (Technique::Full, Execution::Loop),
     (Technique::Single, Execution::Loop),
     (Technique::Windowed, Execution::Loop),
@@ -26,6 +26,7 @@ const WAYS: [(Technique, Execution); 10] = [
     (Technique::Windowed, Execution::Packed),
     (Technique::Selective, Execution::Loop),
     (Technique::MultiResolution, Execution::Sorted),
+    (Technique::Surfaces, Execution::Loop),
 ];
 
 fn way((technique, execution): (Technique, Execution)) -> Settings {
@@ -468,6 +469,7 @@ fn every_view_renders_on_every_way() {
         let of_one = match view {
             DebugView::Quadrants => Some(Technique::Selective),
             DebugView::Levels => Some(Technique::MultiResolution),
+            DebugView::Taps => Some(Technique::Surfaces),
             _ => None,
         };
         if let Some(technique) = of_one {
@@ -488,14 +490,15 @@ fn every_view_renders_on_every_way() {
 fn passes_come_in_order_and_read_what_is_written() {
     let names =
         |settings: &Settings| DeferredAa::passes(settings, &Needs::default()).map(|p| p.info.name).collect::<Vec<_>>();
-    let expected: [&[&str]; 5] = [
+    let expected: [&[&str]; 6] = [
         &["shade", "resolve"],
         &["first", "resolve"],
         &["first", "metrics", "plan", "shade", "resolve"],
         &["first", "metrics", "plan", "shade", "resolve"],
         &["first", "select", "list", "quadrants", "resolve"],
+        &["cover", "light", "resolve"],
     ];
-    let ways = WAYS[..4].iter().chain(&WAYS[8..]).copied();
+    let ways = WAYS[..4].iter().chain([&WAYS[8], &WAYS[10]]).copied();
     for (w, expected) in ways.zip(expected) {
         assert_eq!(names(&way(w)), expected, "{w:?}");
         for view in DebugView::ALL {

@@ -22,6 +22,7 @@ mod scenes;
 mod selective;
 mod shading_errors;
 mod shadows;
+mod surfaces;
 mod textures;
 mod twin;
 mod views;

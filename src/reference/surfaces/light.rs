@@ -84,12 +84,16 @@ pub struct Lit {
     pub lights: u32,
     /// The number of taps that were read.
     pub taps: u32,
-    /// How near a decision came to its threshold, relative to it. GPU and twin may differ if rounding exceeds it.
+    /// How near a decision came to its threshold, over what rounding may change: spreads are kept in halves. GPU and
+    /// twin may differ below 1.
     pub margin: f64,
 }
 
 /// The weight of a squared deviation of the tint where lights are shared.
 const TINT_WEIGHT: f64 = 0.04;
+
+/// The rounding of a half.
+const HALF: f64 = 1.0 / 2048.0;
 
 /// The most taps of a surface.
 const MOST_TAPS: usize = 16;
@@ -108,7 +112,7 @@ pub fn default_spread(m: &Material, view: DVec3) -> Spread {
     let fresnel = luminance(specular) + (1.0 - luminance(specular)) * grazing.powi(5);
     let sharpness = (fresnel / alpha + 1.5 * luminance(diffuse)).max(0.0).sqrt();
     let shown: [f64; 3] =
-        std::array::from_fn(|i| (specular[i] + diffuse[i]).max(0.0).sqrt() + m.emissive[i].clamp(0.0, 1.0));
+        std::array::from_fn(|i| ((specular[i] + diffuse[i]).max(0.0) + m.emissive[i].clamp(0.0, 1.0)).sqrt());
     let n = m.normal * sharpness;
     Spread { shape: [n.x, n.y, n.z, 0.3 * m.roughness], tint: [shown[0], shown[1], shown[2], 1.5 * m.metallic] }
 }
@@ -154,7 +158,12 @@ struct Decided {
 
 impl Decided {
     fn above(&mut self, value: f64, threshold: f64) -> bool {
-        self.margin = self.margin.min((value - threshold).abs() / threshold.max(1e-12));
+        self.above_within(value, threshold, threshold * 1e-4)
+    }
+
+    /// Whether the value is above the threshold, where rounding may change it by so much.
+    fn above_within(&mut self, value: f64, threshold: f64, rounding: f64) -> bool {
+        self.margin = self.margin.min((value - threshold).abs() / rounding.max(1e-300));
         value > threshold
     }
 }
@@ -307,19 +316,28 @@ impl Window<'_> {
         }
         let own: Vec<Spread> = group.iter().map(|&tap| spreads[tap]).collect();
         let mut d = deviations(&own);
-        if !decided.above(light_deviation(&d) * share, f64::from(self.settings.spread)) {
+        let feature = |tap: usize, i: usize| if i < 4 { spreads[tap].shape[i] } else { spreads[tap].tint[i - 4] };
+        let means: [f64; 8] =
+            std::array::from_fn(|i| group.iter().map(|&tap| feature(tap, i)).sum::<f64>() / group.len() as f64);
+        // A half is rounded by up to 2⁻¹¹ of itself.
+        let mut rounding: [f64; 8] = std::array::from_fn(|i| {
+            group.iter().map(|&tap| 2.0 * HALF * feature(tap, i).abs() * (feature(tap, i) - means[i]).abs()).sum()
+        });
+        rounding[4..].iter_mut().for_each(|r| *r *= TINT_WEIGHT);
+        let by_halves = rounding.iter().sum::<f64>() * share;
+        if !decided.above_within(light_deviation(&d) * share, f64::from(self.settings.spread), by_halves) {
             return None;
         }
         d[4..].iter_mut().for_each(|d| *d *= TINT_WEIGHT);
         let most = (0..8).fold(0, |most, i| if d[i] > d[most] { i } else { most });
-        let mut others: Vec<f64> = (0..8).filter(|&i| i != most).map(|i| d[i]).collect();
-        others.sort_by(f64::total_cmp);
-        decided.margin = decided.margin.min((d[most] - others[6]) / d[most].max(1e-12));
-        let value = |tap: usize| if most < 4 { spreads[tap].shape[most] } else { spreads[tap].tint[most - 4] };
-        let mean = group.iter().map(|&tap| value(tap)).sum::<f64>() / group.len() as f64;
-        let scale = group.iter().map(|&tap| (value(tap) - mean).abs()).fold(1e-12, f64::max);
+        for other in (0..8).filter(|&i| i != most) {
+            decided.above_within(d[most], d[other], rounding[most] + rounding[other]);
+        }
+        let value = |tap: usize| feature(tap, most);
+        let mean = means[most];
+        let greatest = group.iter().map(|&tap| value(tap).abs()).fold(0.0, f64::max);
         for &tap in group {
-            decided.margin = decided.margin.min((value(tap) - mean).abs() / scale);
+            decided.above_within(value(tap), mean, 2.0 * HALF * greatest);
         }
         let off: Vec<usize> = group.iter().copied().filter(|&tap| value(tap) > mean).collect();
         (!off.is_empty() && off.len() < group.len()).then_some(off)

@@ -1,0 +1,338 @@
+//! `Surfaces` against its twin, and against `Full`.
+
+use crate::harness::{Output, Rig, SHOW_USER, Sample, noise, rgba8, stored_normal};
+use deferred_aa::glam::{DVec2, DVec3, Vec2, Vec3};
+use deferred_aa::reference::sample::relative_position;
+use deferred_aa::reference::surfaces::cover::{Covered, Seen, cover};
+use deferred_aa::reference::surfaces::light::{Group, Lookup, Material, Tap, Window};
+use deferred_aa::{Preset, Settings, SurfaceWord, Surfaces, Technique, Weight, window};
+
+const WIDTH: u32 = 37;
+const HEIGHT: u32 = 21;
+
+/// A material that the twin computes too: its emission shows where a texture is read, and how blurred.
+const HOOK: &str = "
+fn material(s: DaaSample) -> DaaMaterial {
+    let c = unpack4x8unorm(s.user);
+    var m: DaaMaterial;
+    m.base_color = vec4f(c.rgb, 1.0);
+    m.roughness = 0.2 + 0.6 * c.a;
+    m.metallic = c.b * c.b;
+    m.normal = normalize(s.normal + vec3f(c.r - 0.5, c.g - 0.5, 0.0) * 0.4 * c.a);
+    m.emissive = vec3f(s.uv, s.ddx.x * 8.0) * 0.1;
+    m.occlusion = c.g;
+    return m;
+}
+fn light(f: DaaSurface, m: DaaMaterial) -> vec4f {
+    let lambert = max(dot(m.normal, vec3f(0.48, 0.6, 0.64)), 0.0);
+    let rim = m.roughness * m.metallic * (1.0 - dot(f.normal, f.view));
+    return vec4f(m.base_color.rgb * lambert + m.emissive + vec3f(rim, m.occlusion * 0.1, f.coverage * 0.01), 1.0);
+}
+fn sky(s: DaaSample) -> vec4f { return vec4f(0.2, 0.3, s.view.y * s.view.y, 1.0); }";
+
+/// Planes, folds and steps of several objects, thin ones among them, with even and noisy materials, and sky.
+fn busy(x: u32, y: u32) -> Sample {
+    let (fx, fy) = (x as f32, y as f32);
+    let object = if x % 29 < 2 { 200 + y / 40 } else { 1 + x / 23 + y / 19 * 5 };
+    if object % 7 == 3 {
+        return Sample::SKY;
+    }
+    let bend = noise(object + 100) * 0.03;
+    let rough = noise(object + 50);
+    let grain =
+        |seed: u32| noise(x * 7 + y * 1013 + seed) * rough * rough + noise(object * seed) * (1.0 - rough * rough);
+    Sample {
+        depth: 0.02 + noise(object) * 0.2 + fy * 1e-5,
+        normal: Vec3::new((fx * bend).sin(), (fy * bend).cos() * 0.5, 1.0).normalize(),
+        uv: Vec2::new(fx, fy) * 0.01,
+        ddx: Vec2::new(1.0 / 128.0, 0.0),
+        ddy: Vec2::new(0.0, 1.0 / 128.0),
+        material: object % 3,
+        object,
+        user: rgba8(grain(3), grain(5), grain(11), grain(13)),
+        ..Default::default()
+    }
+}
+
+fn settings(surfaces: Surfaces) -> Settings {
+    Settings { technique: Technique::Surfaces, surfaces, ..Default::default() }
+}
+
+/// The word of each pixel, and the labels of its samples by rank, where it has several surfaces.
+fn words(rig: &Rig) -> Vec<(SurfaceWord, Vec<u8>)> {
+    let passed = rig.aa.intermediates().expect("a size");
+    let all: Vec<u32> = bytemuck::pod_collect_to_vec(&rig.gpu.read_buffer(passed.surfaces.expect("surfaces")));
+    let n = rig.aa.m() * rig.aa.m();
+    let of_set = if rig.aa.m() > 5 { 2 } else { 1 };
+    let slots = passed.slots.count();
+    let pixels = (0..rig.size[1]).flat_map(|y| (0..rig.size[0]).map(move |x| (x, y)));
+    let word = |(x, y)| {
+        let slot = passed.slots.pixel(x, y);
+        let bit =
+            |bit: usize, rank: u32| all[slots * (1 + bit * of_set + (rank / 32) as usize) + slot] >> (rank % 32) & 1;
+        let label = |rank| (bit(0, rank) | bit(1, rank) << 1 | bit(2, rank) << 2) as u8;
+        (SurfaceWord(all[slot]), (0..n).map(label).collect())
+    };
+    pixels.map(word).collect()
+}
+
+/// Positions of windows' samples, as the twin computes them.
+struct Scene {
+    m: u32,
+    camera: deferred_aa::Camera,
+    order: Vec<(u8, u8)>,
+    sample: fn(u32, u32) -> Sample,
+}
+
+impl Scene {
+    fn of(rig: &Rig, sample: fn(u32, u32) -> Sample) -> Self {
+        Self { m: rig.aa.m(), camera: rig.camera, order: window::order(rig.aa.m()), sample }
+    }
+
+    fn at(&self, pixel: [u32; 2], rank: usize) -> (Sample, DVec3) {
+        let (sx, sy) = self.order[rank];
+        let [x, y] = [pixel[0] * self.m + u32::from(sx), pixel[1] * self.m + u32::from(sy)];
+        let s = (self.sample)(x, y);
+        let depth = if s.depth > 0.0 { f64::from(s.depth) } else { 1.0 };
+        let at = DVec2::new(f64::from(x), f64::from(y)) + 0.5;
+        (s, relative_position(&self.camera, [WIDTH * self.m, HEIGHT * self.m], at, depth))
+    }
+
+    fn covered(&self, pixel: [u32; 2], surfaces: &Surfaces) -> Covered {
+        let seen = |rank| match self.at(pixel, rank) {
+            (s, _) if s.depth == 0.0 => Seen::Sky,
+            (s, position) => Seen::Surface {
+                position,
+                normal: stored_normal(s.normal),
+                identity: s.material | s.object << 16,
+                triangle: None,
+            },
+        };
+        let window: Vec<_> = (0..self.order.len()).map(seen).collect();
+        cover(&window, -DVec3::Z, surfaces)
+    }
+
+    /// `sky` and `material` of the hook.
+    fn tap(&self, pixel: [u32; 2], lookup: Lookup) -> Tap {
+        let (s, position) = self.at(pixel, lookup.rank);
+        let view = -position.normalize();
+        if s.depth == 0.0 {
+            return Tap::Sky([0.2, 0.3, view.y * view.y, 1.0]);
+        }
+        let [r, g, b, a] = s.user.to_le_bytes().map(|c| f64::from(c) / 255.0);
+        let normal = stored_normal(s.normal);
+        let uv = s.uv.as_dvec2() + DVec2::from(lookup.offset) / 128.0;
+        let material = Material {
+            base_color: [r, g, b, 1.0],
+            roughness: 0.2 + 0.6 * a,
+            metallic: b * b,
+            normal: (normal + DVec3::new(r - 0.5, g - 0.5, 0.0) * 0.4 * a).normalize(),
+            emissive: [uv.x * 0.1, uv.y * 0.1, lookup.footprint / 128.0 * 0.8],
+            occlusion: g,
+        };
+        Tap::Surface { position, normal, shadow: 0, material }
+    }
+}
+
+/// `light` of the hook.
+fn light(g: &Group) -> [f64; 4] {
+    let m = &g.material;
+    let lambert = m.normal.dot(DVec3::new(0.48, 0.6, 0.64)).max(0.0);
+    let rim = m.roughness * m.metallic * (1.0 - g.normal.dot(-g.position.normalize()));
+    let more = [rim, m.occlusion * 0.1, g.coverage * 0.01];
+    let c: [f64; 3] = std::array::from_fn(|i| m.base_color[i] * lambert + m.emissive[i] + more[i]);
+    [c[0], c[1], c[2], 1.0]
+}
+
+/// Holds a frame against the twin; returns how many windows were too near a threshold to be compared.
+fn assert_twin_agrees(rig: &Rig, sample: fn(u32, u32) -> Sample, settings: &Settings, output: &Output) -> usize {
+    let scene = Scene::of(rig, sample);
+    let m = rig.aa.m();
+    let mut left_out = 0;
+    for (i, (word, labels)) in words(rig).into_iter().enumerate() {
+        let pixel = [i as u32 % WIDTH, i as u32 / WIDTH];
+        let covered = scene.covered(pixel, &settings.surfaces);
+        if covered.margin < 1e-5 {
+            left_out += 1;
+            continue;
+        }
+        let of = format!("m = {m}, window {pixel:?}: {covered:?}");
+        assert_eq!((word.surfaces(), word.is_merged()), (u32::from(covered.surfaces), covered.merged), "{of}");
+        if covered.surfaces > 1 {
+            assert_eq!(labels, covered.labels, "{of}");
+        }
+        let lit = Window {
+            covered: &covered,
+            order: &scene.order,
+            settings: &settings.surfaces,
+            weight: settings.weight,
+            exposure: 1.0,
+            tap: &|lookup| scene.tap(pixel, lookup),
+            light: &light,
+        }
+        .lit();
+        if lit.margin < 1.0 {
+            left_out += 1;
+            continue;
+        }
+        assert_eq!((word.lights(), word.taps()), (lit.lights, lit.taps), "{of} {lit:?}");
+        let apart = (0..4).map(|c| (f64::from(output.image[i][c]) - lit.color[c]).abs()).fold(0.0, f64::max);
+        assert!(apart <= 2e-5, "{of}: {:?}, twin {lit:?}", output.image[i]);
+    }
+    left_out
+}
+
+fn variants() -> Vec<Surfaces> {
+    let base = Surfaces::default();
+    vec![
+        base,
+        Preset::Fast.surfaces(),
+        Preset::Quality.surfaces(),
+        Surfaces { groups: 1, ..base },
+        Surfaces { spread: 5e-3, tap_spread: 1e-3, widening: 0.0, ..base },
+        Surfaces { surfaces: 2, first_taps: 1, footprint: 2.0, groups: 3, ..base },
+        Surfaces { taps: 5, first_taps: 3, normal_cosine: 0.999, plane: 1e-4, footprint: 1.0, ..base },
+    ]
+}
+
+#[test]
+fn every_window_is_the_twins() {
+    for m in 1..=8 {
+        let mut rig = Rig::new(m, WIDTH, HEIGHT, HOOK);
+        rig.fill(busy);
+        for (i, surfaces) in variants().into_iter().enumerate() {
+            let weight = if i % 2 == 0 { Weight::Linear } else { Weight::Luminance };
+            let settings = Settings { weight, ..settings(surfaces) };
+            let output = rig.run(settings);
+            let left_out = assert_twin_agrees(&rig, busy, &settings, &output);
+            eprintln!("m = {m}, variant {i}: {left_out} windows near a threshold");
+            assert!(left_out as u32 * 5 <= 2 * WIDTH * HEIGHT, "m = {m}, variant {i}: {left_out} windows");
+        }
+    }
+}
+
+#[test]
+fn statistics_are_the_sums_of_the_words() {
+    for m in [1, 3, 8] {
+        let mut rig = Rig::new(m, WIDTH, HEIGHT, HOOK);
+        rig.fill(busy);
+        let s = rig.run(settings(Surfaces { surfaces: 3, ..Default::default() })).statistics;
+        let words = words(&rig);
+        let sum = |of: fn(SurfaceWord) -> u32| words.iter().map(|(word, _)| u64::from(of(*word))).sum::<u64>();
+        assert_eq!(s.shaded, sum(SurfaceWord::lights));
+        assert_eq!(u64::from(s.surfaces.surfaces), sum(SurfaceWord::surfaces));
+        assert_eq!(u64::from(s.surfaces.taps), sum(SurfaceWord::taps));
+        assert_eq!(u64::from(s.surfaces.merged), sum(|word| word.is_merged().into()));
+        assert!(s.surfaces.merged > 0 || m == 1, "{s:?}");
+        for (k, windows) in (1..).zip(&s.histogram_k) {
+            assert_eq!(*windows as usize, words.iter().filter(|(word, _)| word.lights() == k).count(), "{k}");
+        }
+    }
+}
+
+/// With a light for each tap, the image is that of `Full`.
+#[test]
+fn a_light_for_each_tap_is_full_supersampling() {
+    let each = Surfaces { spread: 0.0, tap_spread: 0.0, first_taps: 16, ..Default::default() };
+    // Up to 8 groups of a surface, so that 2 × 2 samples have one each.
+    for m in [1, 2] {
+        let mut rig = Rig::new(m, WIDTH, HEIGHT, &HOOK.replace("f.coverage * 0.01", "0.0"));
+        rig.fill(|x, y| Sample { user: (noise(x * 7919 + y) * 4e9) as u32, ..busy(x, y) });
+        let full = rig.run(Settings { technique: Technique::Full, ..Default::default() });
+        let lit = rig.run(settings(each));
+        let sky = |i: usize| rig.aa.m() == 1 && busy(i as u32 % WIDTH, i as u32 / WIDTH).depth == 0.0;
+        for (i, (a, b)) in full.image.iter().zip(&lit.image).enumerate().filter(|(i, _)| !sky(*i)) {
+            assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 2e-6), "m = {m}, {i}: {a:?} {b:?}");
+        }
+    }
+}
+
+/// A host without `material` and `light` has the sample nearest to each surface's centre shaded.
+#[test]
+fn a_whole_hook_is_shaded_once_for_each_surface() {
+    for m in [1, 4, 7] {
+        let mut rig = Rig::new(m, WIDTH, HEIGHT, SHOW_USER);
+        rig.fill(busy);
+        let output = rig.run(settings(Surfaces::default()));
+        let scene = Scene::of(&rig, busy);
+        let n = (m * m) as usize;
+        for (i, (word, labels)) in words(&rig).into_iter().enumerate() {
+            assert_eq!((word.lights(), word.taps()), (word.surfaces(), word.surfaces()));
+            let label = |rank: usize| if word.surfaces() == 1 { 0 } else { labels[rank] };
+            let mut expected = [0.0; 4];
+            for surface in 0..word.surfaces() as u8 {
+                let ranks: Vec<usize> = (0..n).filter(|&rank| label(rank) == surface).collect();
+                let place = |rank: usize| DVec2::new(scene.order[rank].0.into(), scene.order[rank].1.into());
+                let centre = ranks.iter().map(|&rank| place(rank)).sum::<DVec2>() / ranks.len() as f64;
+                let to_centre = |rank: &usize| (place(*rank).distance_squared(centre) * 1e6).round() as u64;
+                let central = *ranks.iter().min_by_key(|rank| (to_centre(rank), **rank)).expect("samples");
+                let (s, _) = scene.at([i as u32 % WIDTH, i as u32 / WIDTH], central);
+                let color = if s.depth == 0.0 { [0.0; 4] } else { s.user.to_le_bytes().map(|c| f64::from(c) / 255.0) };
+                let share = ranks.len() as f64 / n as f64;
+                expected.iter_mut().zip(color).for_each(|(e, c)| *e += c * share);
+            }
+            if word.is_merged() {
+                continue;
+            }
+            let apart =
+                output.image[i].iter().zip(expected).map(|(a, b)| (f64::from(*a) - b).abs()).fold(0.0, f64::max);
+            assert!(apart <= 1e-5, "m = {m}, window {i}: {:?} {expected:?}", output.image[i]);
+        }
+    }
+}
+
+/// The host's own features decide in place of the crate's.
+#[test]
+fn a_host_may_say_what_spreads() {
+    let with =
+        |spread: &str| format!("{HOOK}\nfn spread(s: DaaSample, m: DaaMaterial) -> DaaSpread {{ return {spread}; }}");
+    let lights = |hook: &str| {
+        let mut rig = Rig::new(4, WIDTH, HEIGHT, hook);
+        rig.fill(busy);
+        let s = rig.run(settings(Surfaces::default())).statistics;
+        [s.shaded, s.surfaces.surfaces.into(), s.surfaces.taps.into()]
+    };
+    let own = lights(HOOK);
+    let [lit, surfaces, taps] = lights(&with("DaaSpread()"));
+    assert!(lit == surfaces && taps < own[2], "nothing spreads: {lit} lights, {surfaces} surfaces, {taps} taps");
+    let [far, _, all] = lights(&with("DaaSpread(vec4f(1e3 * f32(s.rank)), vec4f(0.0))"));
+    assert!(far > own[0] && all > own[2], "all spreads: {far} {all} {own:?}");
+    let nan = "let zero = m.occlusion * 0.0; return DaaSpread(vec4f(zero / zero), vec4f(1.0 / zero)";
+    let [none, ..] = lights(&with("DaaSpread()").replace("return DaaSpread()", &format!("{nan})")));
+    assert_eq!(none, surfaces, "NaN spreads nothing");
+}
+
+#[test]
+fn nothing_that_is_not_finite_gets_out() {
+    let zero = "let zero = f32(min(s.rank, 0u));";
+    for bad in ["vec4f(zero / zero)", "vec4f(1.0 / zero)", "vec4f(-1.0)"] {
+        let hook = HOOK
+            .replace("    m.occlusion = c.g;", &format!("{zero}\n m.occlusion = 1.0;\n m.base_color = {bad}; m.roughness = m.base_color.x; m.normal = m.base_color.xyz;"));
+        let mut rig = Rig::new(4, WIDTH, HEIGHT, &hook);
+        rig.fill(busy);
+        let output = rig.run(settings(Surfaces::default()));
+        assert!(output.image.iter().flatten().all(|c| c.is_finite() && *c >= 0.0), "{bad}");
+    }
+    // Normals that cancel.
+    let cancel =
+        HOOK.replace("m.normal = normalize(", "m.normal = select(-1.0, 1.0, (s.rank & 1u) == 0u) * normalize(");
+    let mut rig = Rig::new(4, WIDTH, HEIGHT, &cancel);
+    rig.fill(busy);
+    let output = rig.run(settings(Surfaces { spread: 1e6, first_taps: 16, ..Default::default() }));
+    assert!(output.image.iter().flatten().all(|c| c.is_finite()));
+    assert_eq!(output.statistics.not_finite, 0);
+}
+
+#[test]
+fn the_same_frame_is_the_same_bits() {
+    let mut rig = Rig::new(5, WIDTH, HEIGHT, HOOK);
+    rig.fill(busy);
+    let bits = |output: &Output| output.image.iter().flatten().map(|c| c.to_bits()).collect::<Vec<_>>();
+    let first = rig.run(settings(Preset::Quality.surfaces()));
+    for _ in 0..4 {
+        let again = rig.run(settings(Preset::Quality.surfaces()));
+        assert_eq!(bits(&first), bits(&again));
+        assert_eq!(first.statistics.histogram_k, again.statistics.histogram_k);
+        rig.run(Settings::default());
+    }
+}
