@@ -17,9 +17,6 @@ struct DaaGathered {
     material: DaaMaterial,
     relative_position: vec3f,
     normal: vec3f,
-    /// Of taps with rays of their own.
-    reflected: vec3f,
-    own: f32,
     traced: u32,
     /// The shadow bits that any tap has, and that all have.
     any_shadow: u32,
@@ -79,9 +76,6 @@ fn daa_gather(to: DaaGathered, s: DaaSample, m: DaaMaterial, spread: DaaSpread) 
     g.material.occlusion += m.occlusion;
     g.relative_position += s.relative_position;
     g.normal += s.normal;
-    let own = s.traced != 0u && daa_has_results(s.pixel - daa_frame.origin, s.rank);
-    g.reflected += select(vec3f(0.0), s.reflected, own);
-    g.own += f32(own);
     g.traced |= s.traced;
     g.any_shadow |= s.shadow;
     g.all_shadow &= s.shadow;
@@ -149,8 +143,25 @@ fn daa_widened(roughness: f32, length: f32) -> f32 {
     return sqrt(sqrt(widened / (1.0 + widened)));
 }
 
-/// Lights the taps once. `s` is one of those that show a surface, and `coverage` the share of the window that all have.
-fn daa_light(g: DaaGathered, s: DaaSample, coverage: f32) -> vec4f {
+/// The mean radiance that those of the ranks reflect and refract whose own rays were traced, else that of `s`.
+fn daa_mean_reflected(ranks: vec2u, s: DaaSample) -> vec3f {
+    let pixel = s.pixel - daa_frame.origin;
+    var sum = vec3f(0.0);
+    var own = 0.0;
+    for (var queue = ranks; any(queue != vec2u(0u)); queue = daa_without_least(queue)) {
+        let rank = daa_least(queue);
+        let code = daa_reflection_code(pixel, rank);
+        if code != 0u && daa_has_results(pixel, rank) {
+            sum += daa_radiance_decode(code);
+            own += 1.0;
+        }
+    }
+    return select(s.reflected, sum / max(own, 1.0), own > 0.0);
+}
+
+/// Lights the taps once. `s` is one of those that show a surface, `ranks` are the samples that they stand for, and
+/// `coverage` is their share of the window.
+fn daa_light(g: DaaGathered, s: DaaSample, ranks: vec2u, coverage: f32) -> vec4f {
     var radiance = vec4f(0.0);
     if g.taps == 0.0 {
         // Nothing but sky.
@@ -164,8 +175,10 @@ fn daa_light(g: DaaGathered, s: DaaSample, coverage: f32) -> vec4f {
         let squared = dot(g.normal, g.normal);
         f.normal = select(s.normal, g.normal * inverseSqrt(max(squared, 1e-30)), squared > 1e-6);
         f.shadow = g.all_shadow;
-        f.reflected = select(s.reflected, g.reflected / max(g.own, 1.0), g.own > 0.0);
         f.traced = g.traced;
+        if g.traced != 0u {
+            f.reflected = daa_mean_reflected(ranks, s);
+        }
         radiance = daa_call_light(f, daa_mean_material(g));
     } else {
         radiance = daa_call_hook(s, coverage);
@@ -271,11 +284,11 @@ fn daa_light_one(
         let deviations = daa_deviations(g) / g.taps;
         let coarse = taps < min(daa_frame.surfaces.taps, n) && daa_coarse(deviations, taps);
         let apart = daa_light_deviation(deviations) > daa_frame.surfaces.spread && daa_frame.surfaces.most_groups > 1u;
-        if coarse || apart || g.any_shadow != g.all_shadow {
+        if coarse || apart || daa_mixed_shadow(pixel, daa_all_ranks()) {
             return;
         }
     }
-    let mean = daa_covered(DaaMean(), daa_light(g, s, 1.0), 1.0);
+    let mean = daa_covered(DaaMean(), daa_light(g, s, daa_all_ranks(), 1.0), 1.0);
     textureStore(daa_color, pixel, daa_mean_finish(mean));
     daa_surfaces[slot] = daa_surface_word_lit(word, 1u, taps);
 }
@@ -317,11 +330,15 @@ fn daa_light_list(@builtin(global_invocation_id) id: vec3u) {
     var at = atomicAdd(&daa_list_out.count, left);
     let row = DAA_LIST_ROW * DAA_LIST_LANES;
     atomicMax(&daa_list_out.groups_y, (at + left + row - 1u) / row);
-    for (var i = 0u; i < 64u; i++) {
-        let word = daa_surfaces[first_slot + i];
-        if daa_surface_count(word) > 0u && daa_surface_lights(word) == 0u {
-            daa_list_out.slots[at] = first_slot + i;
-            at += 1u;
+    // Windows of one surface first, as neighbours in the list take turns together.
+    for (var kind = 0u; kind < 2u; kind++) {
+        for (var i = 0u; i < 64u; i++) {
+            let word = daa_surfaces[first_slot + i];
+            let of_kind = select(daa_surface_count(word) == 1u, daa_surface_count(word) > 1u, kind == 1u);
+            if of_kind && daa_surface_lights(word) == 0u {
+                daa_list_out.slots[at] = first_slot + i;
+                at += 1u;
+            }
         }
     }
 }
@@ -362,6 +379,18 @@ fn daa_set_group(groups: DaaGroups, i: u32, chosen: u32) -> DaaGroups {
 fn daa_tap_bits(pixel: vec2u, rank: u32) -> u32 {
     let d = daa_depth_at(pixel * DAA_M + daa_order(rank));
     return select(0u, daa_shadow_bits(pixel, rank), d > DAA_SKY_DEPTH);
+}
+
+/// Whether the shadow bits of a surface's samples differ.
+fn daa_mixed_shadow(pixel: vec2u, ranks: vec2u) -> bool {
+    var any_shadow = 0u;
+    var all_shadow = 0xffffffffu;
+    for (var queue = ranks; any(queue != vec2u(0u)); queue = daa_without_least(queue)) {
+        let bits = daa_tap_bits(pixel, daa_least(queue));
+        any_shadow |= bits;
+        all_shadow &= bits;
+    }
+    return any_shadow != all_shadow;
 }
 
 /// The taps of a set that are cut off: those above the mean of the feature that deviates most, or those that lack a
@@ -482,7 +511,6 @@ fn daa_light_listed(@builtin(workgroup_id) group: vec3u, @builtin(local_invocati
     var samples = 0u;
     var taps = 0u;
     var offset = vec2f(0.0);
-    var again = false;
     var groups: DaaGroups;
     var next = 0u;
     loop {
@@ -492,20 +520,13 @@ fn daa_light_listed(@builtin(workgroup_id) group: vec3u, @builtin(local_invocati
             chosen = daa_group(groups, next);
             next += 1u;
         } else {
-            if !again {
-                if label == surfaces {
-                    break;
-                }
-                ranks = daa_label_ranks(slot, label, surfaces);
-                label += 1u;
-                samples = daa_rank_count(ranks);
+            if label == surfaces {
+                break;
             }
+            ranks = daa_label_ranks(slot, label, surfaces);
+            label += 1u;
+            samples = daa_rank_count(ranks);
             taps = min(min(daa_frame.surfaces.taps, DAA_MOST_TAPS), samples);
-            if !again && surfaces > 1u {
-                // A small surface has few taps at first, but one alone shows no spread.
-                taps = min(taps, max((daa_frame.surfaces.first_taps * samples + n - 1u) / n, 2u));
-            }
-            again = false;
             offset = daa_tap_offset(ranks, samples, taps);
             if !DAA_SPLIT_HOOK {
                 taps = 1u;
@@ -516,10 +537,12 @@ fn daa_light_listed(@builtin(workgroup_id) group: vec3u, @builtin(local_invocati
         let footprint = daa_tap_footprint(samples, taps);
         var g: DaaGathered;
         var s: DaaSample;
+        var tapped = vec2u(0u);
         for (var queue = chosen; queue != 0u; queue &= queue - 1u) {
             let tap = firstTrailingBit(queue);
             let rank = select(daa_central(ranks, samples), daa_nth_rank(ranks, tap), DAA_SPLIT_HOOK);
             let one = daa_fetch(pixel, rank, footprint, offset);
+            tapped = daa_with(tapped, rank);
             read += 1u;
             var spread: DaaSpread;
             if one.depth == 0.0 {
@@ -542,12 +565,6 @@ fn daa_light_listed(@builtin(workgroup_id) group: vec3u, @builtin(local_invocati
         let share = f32(samples) / f32(n * taps);
         if DAA_SPLIT_HOOK && !grouped && g.taps > 0.0 {
             let deviations = daa_deviations(g) * share;
-            if taps < min(min(daa_frame.surfaces.taps, DAA_MOST_TAPS), samples) {
-                again = daa_coarse(deviations, taps) || g.any_shadow != g.all_shadow;
-                if again {
-                    continue;
-                }
-            }
             let apart = daa_light_deviation(deviations) > daa_frame.surfaces.spread || g.any_shadow != g.all_shadow;
             if apart && daa_frame.surfaces.most_groups > 1u {
                 groups = daa_grouped(lane, taps, share, pixel, ranks);
@@ -559,7 +576,7 @@ fn daa_light_listed(@builtin(workgroup_id) group: vec3u, @builtin(local_invocati
             }
         }
         let coverage = share * f32(countOneBits(chosen));
-        mean = daa_covered(mean, daa_light(g, s, coverage), coverage);
+        mean = daa_covered(mean, daa_light(g, s, select(ranks, tapped, grouped), coverage), coverage);
         lights += 1u;
     }
     textureStore(daa_color, pixel, daa_mean_finish(mean));

@@ -76,7 +76,7 @@ impl Preset {
             surfaces: 6,
             normal_cosine: 0.95,
             plane: 0.01,
-            widening: 0.25,
+            widening: 0.1,
             footprint: 0.5,
         };
         match self {
