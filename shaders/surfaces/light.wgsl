@@ -7,6 +7,8 @@
 @group(3) @binding(3) var<storage, read_write> daa_statistics: DaaStatistics;
 @group(3) @binding(4) var<storage, read_write> daa_list_out: DaaWindowList;
 @group(3) @binding(5) var<storage, read> daa_list: array<u32>;
+@group(3) @binding(6) var<storage, read_write> daa_cut_list_out: DaaWindowList;
+@group(3) @binding(7) var<storage, read> daa_cut_list: array<u32>;
 
 /// The number of taps of a surface is at most this.
 const DAA_MOST_TAPS: u32 = 16u;
@@ -313,6 +315,8 @@ fn daa_light_list(@builtin(global_invocation_id) id: vec3u) {
     if id.x == 0u {
         daa_list_out.groups_x = DAA_LIST_ROW;
         daa_list_out.groups_z = 1u;
+        daa_cut_list_out.groups_x = DAA_LIST_ROW;
+        daa_cut_list_out.groups_z = 1u;
     }
     if id.x >= daa_tile_count() {
         return;
@@ -455,17 +459,45 @@ fn daa_cut(lane: u32, chosen: u32, share: f32, pixel: vec2u, ranks: vec2u) -> u3
 }
 
 /// Cuts the taps of a surface into groups that may share a light.
-fn daa_grouped(lane: u32, taps: u32, share: f32, pixel: vec2u, ranks: vec2u) -> DaaGroups {
-    var groups = DaaGroups(vec4u(0xffffu >> (16u - taps), 0u, 0u, 0u), 1u);
+fn daa_grouped(lane: u32, surface: DaaTapped, pixel: vec2u) -> DaaGroups {
+    var groups = DaaGroups(vec4u(daa_all_taps(surface), 0u, 0u, 0u), 1u);
     for (var i = 0u; i < groups.count && groups.count < daa_frame.surfaces.most_groups; ) {
         let chosen = daa_group(groups, i);
-        let off = daa_cut(lane, chosen, share, pixel, ranks);
+        let off = daa_cut(lane, chosen, surface.share, pixel, surface.ranks);
         if off == 0u {
             i += 1u;
         } else {
             groups = daa_set_group(groups, i, chosen & ~off);
             groups = daa_set_group(groups, groups.count, off);
             groups.count += 1u;
+        }
+    }
+    return groups;
+}
+
+/// Stores the groups of a window of one surface as labels of its taps.
+fn daa_store_labels(slot: u32, groups: DaaGroups) {
+    var labels = vec3u(0u);
+    for (var i = 1u; i < groups.count; i++) {
+        labels |= select(vec3u(0u), vec3u(daa_group(groups, i)), (vec3u(i) & vec3u(1u, 2u, 4u)) != vec3u(0u));
+    }
+    daa_surfaces[daa_label_index(slot, 0u)] = labels.x;
+    daa_surfaces[daa_label_index(slot, 1u)] = labels.y;
+    daa_surfaces[daa_label_index(slot, 2u)] = labels.z;
+}
+
+/// The groups that were stored. None is empty.
+fn daa_stored_groups(slot: u32, all: u32) -> DaaGroups {
+    var groups: DaaGroups;
+    for (var i = 0u; i < 8u; i++) {
+        var chosen = all;
+        for (var bit = 0u; bit < 3u; bit++) {
+            let labels = daa_surfaces[daa_label_index(slot, bit)];
+            chosen &= select(~labels, labels, ((i >> bit) & 1u) != 0u);
+        }
+        if chosen != 0u {
+            groups = daa_set_group(groups, i, chosen);
+            groups.count = i + 1u;
         }
     }
     return groups;
@@ -489,7 +521,80 @@ fn daa_label_ranks(slot: u32, label: u32, surfaces: u32) -> vec2u {
     return ranks;
 }
 
-/// Lights the windows that are left: those of several surfaces, and those whose taps are not alike.
+/// What was read of a surface at a set of taps: the sums, one of the taps that show a surface, and the ranks.
+struct DaaRead {
+    g: DaaGathered,
+    s: DaaSample,
+    ranks: vec2u,
+}
+
+/// A surface of a window, and its taps.
+struct DaaTapped {
+    ranks: vec2u,
+    samples: u32,
+    taps: u32,
+    /// The share of the window that each tap stands for.
+    share: f32,
+}
+
+fn daa_tapped(ranks: vec2u) -> DaaTapped {
+    let samples = daa_rank_count(ranks);
+    let taps = select(1u, min(min(daa_frame.surfaces.taps, DAA_MOST_TAPS), samples), DAA_SPLIT_HOOK);
+    return DaaTapped(ranks, samples, taps, f32(samples) / f32(DAA_M * DAA_M * taps));
+}
+
+/// All taps of a surface.
+fn daa_all_taps(surface: DaaTapped) -> u32 {
+    return 0xffffu >> (16u - surface.taps);
+}
+
+/// Reads some taps of a surface. Their spreads are kept on request.
+fn daa_read_taps(pixel: vec2u, surface: DaaTapped, chosen: u32, lane: u32, keep: bool) -> DaaRead {
+    let footprint = daa_tap_footprint(surface.samples, surface.taps);
+    var offset = vec2f(0.0);
+    if DAA_SPLIT_HOOK {
+        offset = daa_tap_offset(surface.ranks, surface.samples, surface.taps);
+    }
+    var read: DaaRead;
+    for (var queue = chosen; queue != 0u; queue &= queue - 1u) {
+        let tap = firstTrailingBit(queue);
+        var rank = daa_nth_rank(surface.ranks, tap);
+        if !DAA_SPLIT_HOOK {
+            rank = daa_central(surface.ranks, surface.samples);
+        }
+        let s = daa_fetch(pixel, rank, footprint, offset);
+        read.ranks = daa_with(read.ranks, rank);
+        var spread: DaaSpread;
+        if s.depth == 0.0 {
+            read.g.sky_taps += 1.0;
+            read.g.sky += daa_call_sky(s);
+        } else {
+            read.s = s;
+            if DAA_SPLIT_HOOK {
+                let m = daa_call_material(s);
+                spread = daa_spread(s, m);
+                read.g = daa_gather(read.g, s, m, spread);
+            } else {
+                read.g.taps = 1.0;
+            }
+        }
+        if keep {
+            daa_keep_spread(lane, tap, spread);
+        }
+    }
+    return read;
+}
+
+/// Whether all taps of a surface are too far apart to share a light.
+fn daa_apart(g: DaaGathered, share: f32) -> bool {
+    if !DAA_SPLIT_HOOK || g.taps == 0.0 || daa_frame.surfaces.most_groups < 2u {
+        return false;
+    }
+    return daa_light_deviation(daa_deviations(g) * share) > daa_frame.surfaces.spread || g.any_shadow != g.all_shadow;
+}
+
+/// Lights the windows that are left, those of several surfaces and those whose first taps are not alike, but for those
+/// with a surface to be cut, which are listed in turn: else the lanes beside it would wait for its groups.
 @compute @workgroup_size(32)
 fn daa_light_listed(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
     let index = (group.y * DAA_LIST_ROW + group.x) * DAA_LIST_LANES + lane;
@@ -500,87 +605,86 @@ fn daa_light_listed(@builtin(workgroup_id) group: vec3u, @builtin(local_invocati
     let pixel = daa_slot_pixel(slot);
     let word = daa_surfaces[slot];
     let surfaces = daa_surface_count(word);
-    let n = DAA_M * DAA_M;
+    var mean: DaaMean;
+    var taps = 0u;
+    for (var label = 0u; label < surfaces; label++) {
+        let surface = daa_tapped(daa_label_ranks(slot, label, surfaces));
+        let all = daa_all_taps(surface);
+        let read = daa_read_taps(pixel, surface, all, lane, surfaces == 1u);
+        taps += surface.taps;
+        if daa_apart(read.g, surface.share) {
+            if surfaces == 1u {
+                // The sets of taps take the place of labels.
+                daa_store_labels(slot, daa_grouped(lane, surface, pixel));
+            }
+            let at = atomicAdd(&daa_cut_list_out.count, 1u);
+            let row = DAA_LIST_ROW * DAA_LIST_LANES;
+            atomicMax(&daa_cut_list_out.groups_y, at / row + 1u);
+            daa_cut_list_out.slots[at] = slot;
+            return;
+        }
+        let coverage = surface.share * f32(surface.taps);
+        mean = daa_covered(mean, daa_light(read.g, read.s, surface.ranks, coverage), coverage);
+    }
+    textureStore(daa_color, pixel, daa_mean_finish(mean));
+    daa_surfaces[slot] = daa_surface_word_lit(word, surfaces, taps);
+}
+
+/// Lights the windows with a surface that is cut into groups.
+@compute @workgroup_size(32)
+fn daa_light_cut(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
+    let index = (group.y * DAA_LIST_ROW + group.x) * DAA_LIST_LANES + lane;
+    if index >= daa_cut_list[3] {
+        return;
+    }
+    let slot = daa_cut_list[4u + index];
+    let pixel = daa_slot_pixel(slot);
+    let word = daa_surfaces[slot];
+    let surfaces = daa_surface_count(word);
     var mean: DaaMean;
     var lights = 0u;
-    var read = 0u;
-    // The surface, its taps, and its groups that are still to be lit. There is one call of each of the host's functions,
-    // as compilers copy them into every place.
+    // The surface, and its groups that are still to be lit. There is one call of each of the host's functions, as
+    // compilers copy them into every place.
     var label = 0u;
-    var ranks = vec2u(0u);
-    var samples = 0u;
-    var taps = 0u;
-    var offset = vec2f(0.0);
+    var surface = daa_tapped(daa_all_ranks());
     var groups: DaaGroups;
     var next = 0u;
+    var taps = 0u;
+    if surfaces == 1u {
+        groups = daa_stored_groups(slot, daa_all_taps(surface));
+        label = 1u;
+        taps = surface.taps;
+    }
     loop {
-        var chosen = 0u;
         let grouped = next < groups.count;
+        var chosen = 0u;
         if grouped {
             chosen = daa_group(groups, next);
             next += 1u;
+        } else if label == surfaces {
+            break;
         } else {
-            if label == surfaces {
-                break;
-            }
-            ranks = daa_label_ranks(slot, label, surfaces);
+            surface = daa_tapped(daa_label_ranks(slot, label, surfaces));
+            chosen = daa_all_taps(surface);
             label += 1u;
-            samples = daa_rank_count(ranks);
-            taps = min(min(daa_frame.surfaces.taps, DAA_MOST_TAPS), samples);
-            offset = daa_tap_offset(ranks, samples, taps);
-            if !DAA_SPLIT_HOOK {
-                taps = 1u;
-                offset = vec2f(0.0);
-            }
-            chosen = 0xffffu >> (16u - taps);
         }
-        let footprint = daa_tap_footprint(samples, taps);
-        var g: DaaGathered;
-        var s: DaaSample;
-        var tapped = vec2u(0u);
-        for (var queue = chosen; queue != 0u; queue &= queue - 1u) {
-            let tap = firstTrailingBit(queue);
-            let rank = select(daa_central(ranks, samples), daa_nth_rank(ranks, tap), DAA_SPLIT_HOOK);
-            let one = daa_fetch(pixel, rank, footprint, offset);
-            tapped = daa_with(tapped, rank);
-            read += 1u;
-            var spread: DaaSpread;
-            if one.depth == 0.0 {
-                g.sky_taps += 1.0;
-                g.sky += daa_call_sky(one);
-            } else {
-                s = one;
-                if DAA_SPLIT_HOOK {
-                    let m = daa_call_material(one);
-                    spread = daa_spread(one, m);
-                    g = daa_gather(g, one, m, spread);
-                } else {
-                    g.taps = 1.0;
-                }
+        let read = daa_read_taps(pixel, surface, chosen, lane, !grouped);
+        taps += countOneBits(chosen);
+        if !grouped && daa_apart(read.g, surface.share) {
+            groups = daa_grouped(lane, surface, pixel);
+            next = 0u;
+            if groups.count > 1u {
+                continue;
             }
-            if !grouped {
-                daa_keep_spread(lane, tap, spread);
-            }
+            next = groups.count;
         }
-        let share = f32(samples) / f32(n * taps);
-        if DAA_SPLIT_HOOK && !grouped && g.taps > 0.0 {
-            let deviations = daa_deviations(g) * share;
-            let apart = daa_light_deviation(deviations) > daa_frame.surfaces.spread || g.any_shadow != g.all_shadow;
-            if apart && daa_frame.surfaces.most_groups > 1u {
-                groups = daa_grouped(lane, taps, share, pixel, ranks);
-                next = 0u;
-                if groups.count > 1u {
-                    continue;
-                }
-                next = groups.count;
-            }
-        }
-        let coverage = share * f32(countOneBits(chosen));
-        mean = daa_covered(mean, daa_light(g, s, select(ranks, tapped, grouped), coverage), coverage);
+        let coverage = surface.share * f32(countOneBits(chosen));
+        let ranks = select(surface.ranks, read.ranks, grouped);
+        mean = daa_covered(mean, daa_light(read.g, read.s, ranks, coverage), coverage);
         lights += 1u;
     }
     textureStore(daa_color, pixel, daa_mean_finish(mean));
-    daa_surfaces[slot] = daa_surface_word_lit(word, lights, read);
+    daa_surfaces[slot] = daa_surface_word_lit(word, lights, taps);
 }
 
 /// Counts what was lit. A lane counts a whole tile.

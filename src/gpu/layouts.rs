@@ -501,6 +501,7 @@ fn workgroups_are_the_shaders() {
         ("daa_refine_main", tile),
         ("daa_cover_main", tile),
         ("daa_light_count", flat),
+        ("daa_light_cut", [32, 1, 1]),
         ("daa_light_list", flat),
         ("daa_light_listed", [32, 1, 1]),
         ("daa_light_one", tile),
@@ -552,7 +553,7 @@ fn workgroups_are_the_grids() {
             let expected: &[[u32; 3]] = match stage.grid {
                 Grid::One => &[[1, 1, 1], [256, 1, 1]],
                 Grid::Counts => &[[256, 1, 1]],
-                Grid::Indirect { part: Part::SurfaceList, .. } => &[[32, 1, 1]],
+                Grid::Indirect { part: Part::SurfaceList | Part::SurfaceCutList, .. } => &[[32, 1, 1]],
                 Grid::TileRuns | Grid::Indirect { .. } | Grid::AuditedTiles => &[flat],
                 Grid::Tiles => &[flat, tile],
                 // Lanes of a block of points may be counted along one side, or both.

@@ -254,7 +254,7 @@ impl SizedResources {
         if let Some(tiles) = self.buffer(Part::Tiles).filter(|_| shape.inputs.any()) {
             encoder.clear_buffer(tiles, 0, Some(TILE_CLASSES_BYTES));
         }
-        if let Some(list) = self.buffer(Part::SurfaceList) {
+        for list in [Part::SurfaceList, Part::SurfaceCutList].into_iter().filter_map(|list| self.buffer(list)) {
             encoder.clear_buffer(list, 0, Some(SURFACE_LIST_HEAD_BYTES));
         }
         // `trace` reads the first samples of neighbouring windows. Points beyond the image's border read samples there

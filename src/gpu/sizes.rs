@@ -198,7 +198,9 @@ impl Shape {
             Part::LatticePoints => lattices(0),
             Part::LatticeColors => lattices(1),
             Part::SurfaceMasks => buffer(plan_bytes(size) * surface_words(m), none),
-            Part::SurfaceList => buffer(SURFACE_LIST_HEAD_BYTES + plan_bytes(size), indirect | cleared),
+            Part::SurfaceList | Part::SurfaceCutList => {
+                buffer(SURFACE_LIST_HEAD_BYTES + plan_bytes(size), indirect | cleared)
+            }
             // A word for each tile in each class, and a word for the classes of each tile.
             Part::Tiles if inputs.any() => buffer(TILE_CLASSES_BYTES + 3 * tiles * 4, indirect | cleared),
             Part::Shadows if inputs.shadows => buffer(self.shadow_bytes(), cleared),

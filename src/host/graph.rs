@@ -135,6 +135,8 @@ pub enum Part {
     SurfaceMasks,
     /// The windows that are lit apart, and their indirect dispatch ([`Resource::Surfaces`]).
     SurfaceList,
+    /// The windows with a surface that is cut into groups, and their indirect dispatch ([`Resource::Surfaces`]).
+    SurfaceCutList,
     /// The buffer of [`Resource::Tiles`].
     Tiles,
     /// The shadow bits of [`Resource::Traced`].
@@ -213,7 +215,7 @@ pub struct PartInfo {
 }
 
 impl Part {
-    pub(crate) const ALL: [Self; 25] = [
+    pub(crate) const ALL: [Self; 26] = [
         Self::GBufferDepth,
         Self::GBufferSurface,
         Self::GBufferFrame,
@@ -233,6 +235,7 @@ impl Part {
         Self::LatticeColors,
         Self::SurfaceMasks,
         Self::SurfaceList,
+        Self::SurfaceCutList,
         Self::Tiles,
         Self::Shadows,
         Self::Reflections,
@@ -261,7 +264,7 @@ impl Part {
             | Self::SampleListWork
             | Self::SampleListColors => Resource::List,
             Self::LatticePoints | Self::LatticeColors => Resource::Lattice,
-            Self::SurfaceMasks | Self::SurfaceList => Resource::Surfaces,
+            Self::SurfaceMasks | Self::SurfaceList | Self::SurfaceCutList => Resource::Surfaces,
             Self::Tiles => Resource::Tiles,
             Self::Shadows | Self::Reflections => Resource::Traced,
             Self::Counters => Resource::Statistics,
@@ -275,7 +278,7 @@ impl Part {
             Self::GBufferDepth | Self::GBufferSurface | Self::GBufferFrame | Self::GBufferUv => Lifetime::Imported,
             Self::Target | Self::Depth => Lifetime::Imported,
             Self::Counters => Lifetime::Kept,
-            Self::SurfaceList | Self::Tiles | Self::Shadows | Self::Reflections => {
+            Self::SurfaceList | Self::SurfaceCutList | Self::Tiles | Self::Shadows | Self::Reflections => {
                 Lifetime::Transient { from_begin: true }
             }
             _ => Lifetime::Transient { from_begin: false },

@@ -18,7 +18,7 @@ static MODULE: Module = Module {
 };
 
 /// `traced`: in frames with rays, which have a plan of the samples that cast them.
-const fn bindings(traced: bool) -> [Binding; 6] {
+const fn bindings(traced: bool) -> [Binding; 8] {
     [
         Binding::update(0, "daa_surfaces", Slot::Part(Part::SurfaceMasks)),
         Binding::read(1, "daa_plan", Slot::Part(Part::Plan)).if_used(traced),
@@ -26,25 +26,36 @@ const fn bindings(traced: bool) -> [Binding; 6] {
         Binding::write(3, "daa_statistics", Slot::Part(Part::Counters)),
         Binding::write(4, "daa_list_out", Slot::Part(Part::SurfaceList)),
         Binding::read(5, "daa_list", Slot::Part(Part::SurfaceList)),
+        Binding::write(6, "daa_cut_list_out", Slot::Part(Part::SurfaceCutList)),
+        Binding::read(7, "daa_cut_list", Slot::Part(Part::SurfaceCutList)),
     ]
 }
 
 const STAGES: &[Stage] = &[
-    Stage { entry: "daa_light_one", grid: Grid::Tiles, without: &["daa_list_out", "daa_list"] },
+    Stage {
+        entry: "daa_light_one",
+        grid: Grid::Tiles,
+        without: &["daa_list_out", "daa_list", "daa_cut_list_out", "daa_cut_list"],
+    },
     Stage {
         entry: "daa_light_list",
         grid: Grid::TileRuns,
-        without: &["daa_plan", "daa_color", "daa_statistics", "daa_list"],
+        without: &["daa_plan", "daa_color", "daa_statistics", "daa_list", "daa_cut_list"],
     },
     Stage {
         entry: "daa_light_listed",
         grid: Grid::Indirect { part: Part::SurfaceList, offset: 0 },
-        without: &["daa_list_out"],
+        without: &["daa_list_out", "daa_cut_list"],
+    },
+    Stage {
+        entry: "daa_light_cut",
+        grid: Grid::Indirect { part: Part::SurfaceCutList, offset: 0 },
+        without: &["daa_list_out", "daa_list", "daa_cut_list_out"],
     },
     Stage {
         entry: "daa_light_count",
         grid: Grid::TileRuns,
-        without: &["daa_plan", "daa_color", "daa_list_out", "daa_list"],
+        without: &["daa_plan", "daa_color", "daa_list_out", "daa_list", "daa_cut_list_out", "daa_cut_list"],
     },
 ];
 

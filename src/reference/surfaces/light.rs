@@ -216,24 +216,24 @@ impl Window<'_> {
         let (s, n) = (self.settings, self.order.len());
         let all = ranks.len().min(s.taps as usize).min(MOST_TAPS);
         let first = s.first_taps as usize;
-        let few = if self.covered.surfaces == 1 { first } else { (first * ranks.len()).div_ceil(n).max(2) };
-        let mut taps = self.taps(ranks, few.min(all));
-        *read += taps.len() as u32;
+        let few = if self.covered.surfaces == 1 { first.min(all) } else { all };
+        let mut taps = self.taps(ranks, few);
         let share = |taps: usize| ranks.len() as f64 / (n * taps) as f64;
         if taps.len() < all {
-            let (d, mixed) = self.spread(&taps);
+            let d = self.spread(&taps).0;
+            // The shadow bits of all samples are there to be read.
+            let bits: Vec<u32> = self.taps(ranks, ranks.len()).iter().map(bits).collect();
+            let mixed = bits.iter().any(|b| *b != bits[0]);
             let count = taps.len() as f64;
             let spread = (d.iter().sum::<f64>()) * share(taps.len()) * count;
             let coarse = decided.above(spread, f64::from(s.tap_spread) * (count.max(2.0) - 1.0));
-            // A window of one surface is only lit at once if its first taps share a light.
-            let apart = self.covered.surfaces == 1
-                && s.groups > 1
-                && decided.above(light_deviation(&d) * share(taps.len()), f64::from(s.spread));
+            // It is only lit at once if its first taps share a light.
+            let apart = s.groups > 1 && decided.above(light_deviation(&d) * share(taps.len()), f64::from(s.spread));
             if coarse || apart || mixed {
                 taps = self.taps(ranks, all);
-                *read = if self.covered.surfaces == 1 { all as u32 } else { *read + all as u32 };
             }
         }
+        *read += taps.len() as u32;
         let share = share(taps.len());
         let groups = self.groups(&taps, share, decided);
         if groups.len() > 1 {
