@@ -10,7 +10,7 @@ pub fn part(kind: PassKind) -> &'static str {
     match kind {
         PassKind::Trace | PassKind::Reflect | PassKind::Classify | PassKind::Places => "rays",
         PassKind::Refine => "decisions",
-        PassKind::Points | PassKind::First | PassKind::Shade => "shading",
+        PassKind::Points | PassKind::First | PassKind::Shade | PassKind::Light => "shading",
         _ => "rest",
     }
 }

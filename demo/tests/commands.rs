@@ -125,12 +125,12 @@ fn numbers_out_of_range() {
 fn techniques_and_settings() {
     refused(
         &["--technique", "magic"],
-        &["no technique 'magic': choose full, single, windowed, reconstructed, selective or multiresolution"],
+        &["no technique 'magic': choose full, single, windowed, reconstructed, selective, multiresolution or surfaces"],
     );
     refused(
         &["--technique", "windwed"],
         &[
-            "no technique 'windwed': did you mean windowed? choose full, single, windowed, reconstructed, selective or multiresolution",
+            "no technique 'windwed': did you mean windowed? choose full, single, windowed, reconstructed, selective, multiresolution or surfaces",
         ],
     );
     refused(&["--preset", "fsat"], &["no preset 'fsat': did you mean fast? choose fast, balanced or quality"]);
@@ -510,7 +510,7 @@ fn searches_that_cannot_be() {
         (&["--m", "1"], &["--m", "1 is not in 2 to 8"]),
         (&["--m", "9"], &["--m", "9 is not in 2 to 8"]),
         (&["--size", "5"], &["--size", "WIDTHxHEIGHT"]),
-        (&["--technique", "full"], &["'full'", "choose windowed, selective, multiresolution"]),
+        (&["--technique", "full"], &["'full'", "choose windowed, selective, multiresolution, surfaces"]),
         (&["--rounds", "many"], &["'many'", "--rounds"]),
         (&["--scene", "cornell", "--out", &taken], &["taken", "--out"]),
     ] {

@@ -136,6 +136,9 @@ fn every_field_and_file_is_there() {
         "multiresolution-m2",
         "multiresolution-m2-sparse",
         "multiresolution-m2-paper",
+        "surfaces-m2",
+        "surfaces-m2-fast",
+        "surfaces-m2-quality",
     ];
     for id in ["full-m2", "single-m2", "single-m1"].into_iter().chain(adaptive) {
         let entry = find(report, id);

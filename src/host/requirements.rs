@@ -42,7 +42,8 @@ pub struct Memory {
     /// - the list of [`Packed`](crate::Execution::Packed), 20 bytes for each sample that could be shaded;
     /// - 72 KiB for [`Selective`](crate::Technique::Selective);
     /// - the lattices of [`MultiResolution`](crate::Technique::MultiResolution), about 43 bytes a pixel, 85 with rays,
-    ///   and with shifted rows 75 and 150.
+    ///   and with shifted rows 75 and 150;
+    /// - the surfaces of [`Surfaces`](crate::Technique::Surfaces), 24 bytes a pixel, 36 if m is above 5.
     pub scratch: u64,
     /// The results of rays, created by the first frame that traces: 4 bytes a sample for shadows and 4 for reflections
     /// and refractions, for all samples that the technique traces or, where a plan chooses them, for as many as

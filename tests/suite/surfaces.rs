@@ -6,6 +6,10 @@ use deferred_aa::reference::sample::relative_position;
 use deferred_aa::reference::surfaces::cover::{Covered, Seen, cover};
 use deferred_aa::reference::surfaces::light::{Group, Lookup, Material, Tap, Window};
 use deferred_aa::{Preset, Settings, SurfaceWord, Surfaces, Technique, Weight, window};
+use deferred_aa_demo::gpu::{self, Gpu};
+use deferred_aa_demo::host::{Host, Options};
+use deferred_aa_demo::quality::psnr;
+use deferred_aa_demo::scene::builtin;
 
 const WIDTH: u32 = 37;
 const HEIGHT: u32 = 21;
@@ -334,5 +338,55 @@ fn the_same_frame_is_the_same_bits() {
         assert_eq!(bits(&first), bits(&again));
         assert_eq!(first.statistics.histogram_k, again.statistics.histogram_k);
         rig.run(Settings::default());
+    }
+}
+
+/// On every built-in scene, with shadows and mirrors where they have them: near to `Full`, with hardly more lights than
+/// plain shading has, and nearer with the presets in turn.
+#[test]
+fn scenes_are_nearly_those_of_full_supersampling() {
+    let mut lines = Vec::new();
+    for name in builtin::NAMES {
+        let scene = builtin::builtin(name).expect("built in");
+        let camera = scene.default_camera();
+        let adapter = gpu::choose(None).expect("tests need an adapter");
+        let options = Options::new(160, 90, 4);
+        let gpu = Gpu::new(adapter, &options.descriptor()).expect("a device");
+        let mut host = Host::new(gpu, scene, options).expect("a host");
+        host.frame(&camera, Settings { technique: Technique::Full, ..Default::default() }).expect("a frame");
+        let full = host.picture();
+        let [fast, balanced, quality] = Preset::ALL.map(|preset| {
+            let shot = host.frame(&camera, settings(preset.surfaces())).expect("a frame");
+            assert_eq!(host.gpu.take_errors(), Vec::<String>::new());
+            let db = psnr(&host.picture(), &full).expect("of one size");
+            (db, shot.statistics.mean_k)
+        });
+        let line = format!("{name}: fast {fast:.2?}, balanced {balanced:.2?}, quality {quality:.2?}");
+        eprintln!("{line}");
+        let sound = balanced.0 > 40.0 && quality.0 > 46.0 && quality.0 + 0.3 > balanced.0 && balanced.0 + 0.3 > fast.0;
+        if !sound || balanced.1 > 2.0 || quality.1 > 2.6 {
+            lines.push(line);
+        }
+    }
+    assert!(lines.is_empty(), "dB and lights a pixel:\n{}", lines.join("\n"));
+}
+
+/// Where a shadow or a mirror has only room for first results, a frame is still whole.
+#[test]
+fn without_room_first_results_stand_in() {
+    for name in ["shadows", "mirrors"] {
+        let scene = builtin::builtin(name).expect("built in");
+        let camera = scene.default_camera();
+        let options = Options::new(96, 54, 4);
+        let gpu = Gpu::new(gpu::choose(None).expect("tests need an adapter"), &options.descriptor()).expect("a device");
+        let mut host = Host::new(gpu, scene, options).expect("a host");
+        let all = host.frame(&camera, settings(Surfaces::default())).expect("a frame").statistics;
+        let image = host.picture();
+        assert!(all.without_rays == 0 && all.shadow_rays + all.reflection_rays > 0, "{all:?}");
+        let few = Settings { ray_samples: 0.0, ..settings(Surfaces::default()) };
+        let few = host.frame(&camera, few).expect("a frame").statistics;
+        assert!(few.without_rays > 0 && few.shadow_rays < all.shadow_rays, "{few:?}");
+        let db = psnr(&host.picture(), &image).expect("of one size");
+        assert!((25.0..100.0).contains(&db), "{name}: {db}");
     }
 }

@@ -11,11 +11,11 @@ use std::path::PathBuf;
 /// The settings of a frame: shared by the commands that take one set of them.
 #[derive(Debug, clap::Args)]
 pub struct SettingsArgs {
-    /// full, single, windowed, reconstructed, selective or multiresolution; windowed, or that of --settings, if not
-    /// given.
+    /// full, single, windowed, reconstructed, selective, multiresolution or surfaces; windowed, or that of --settings,
+    /// if not given.
     #[arg(long, value_parser = parse_technique)]
     technique: Option<Technique>,
-    /// The settings of windowed: fast, balanced or quality; balanced if not given.
+    /// The settings of windowed and surfaces: fast, balanced or quality; balanced if not given.
     #[arg(long, value_parser = parse_preset, conflicts_with = "file")]
     preset: Option<Preset>,
     /// Settings that the viewer saved.

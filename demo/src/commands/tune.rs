@@ -9,7 +9,7 @@ use crate::names::did_you_mean;
 use crate::tune::subject::{Figures, Subject, SubjectError, full};
 use crate::tune::tunable::Tunable;
 use crate::tune::{Point, Task, Tuner};
-use deferred_aa::{MultiResolution, Selective, Windowed};
+use deferred_aa::{MultiResolution, Selective, Surfaces, Windowed};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 /// See `deferred-aa-demo tune --help`.
 #[derive(Debug, clap::Args)]
 pub struct Tune {
-    /// Whose settings are searched: windowed, selective or multiresolution.
+    /// Whose settings are searched: windowed, selective, multiresolution or surfaces.
     #[arg(long, default_value = "windowed", value_parser = parse_tunable)]
     technique: &'static str,
     /// A built-in scene or a .gltf or .glb file, with its camera after an @ if not its own: FILE@x,y,z,tx,ty,tz,fov.
@@ -64,7 +64,7 @@ fn parse_targets(text: &str) -> Result<Targets, String> {
 }
 
 fn parse_tunable(text: &str) -> Result<&'static str, String> {
-    let known = [Windowed::TECHNIQUE, Selective::TECHNIQUE, MultiResolution::TECHNIQUE];
+    let known = [Windowed::TECHNIQUE, Selective::TECHNIQUE, MultiResolution::TECHNIQUE, Surfaces::TECHNIQUE];
     let meant = did_you_mean(text, &known);
     known
         .into_iter()
@@ -147,6 +147,7 @@ impl Tune {
         match self.technique {
             Selective::TECHNIQUE => self.tune::<Selective>(),
             MultiResolution::TECHNIQUE => self.tune::<MultiResolution>(),
+            Surfaces::TECHNIQUE => self.tune::<Surfaces>(),
             _ => self.tune::<Windowed>(),
         }
     }

@@ -2,7 +2,7 @@
 
 use super::schema::Role;
 use crate::peers::Peer;
-use deferred_aa::{MultiResolution, Preset, Reconstructed, Selective, Settings, Technique, Windowed};
+use deferred_aa::{MultiResolution, Preset, Reconstructed, Selective, Settings, Surfaces, Technique, Windowed};
 
 /// One entry to measure.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,7 +24,8 @@ pub struct Planned {
 }
 
 /// What `--techniques` takes, in the order of the report.
-pub const TECHNIQUES: [&str; 6] = ["full", "single", "windowed", "reconstructed", "selective", "multiresolution"];
+pub const TECHNIQUES: [&str; 7] =
+    ["full", "single", "windowed", "reconstructed", "selective", "multiresolution", "surfaces"];
 
 /// Peers, of which `--techniques` takes the names too, and how people call them.
 pub const PEERS: [(Peer, &str); 2] = [(Peer::Fxaa, "FXAA"), (Peer::Smaa, "SMAA 1x")];
@@ -67,6 +68,9 @@ const NO_THRESHOLDS: Thresholds = Thresholds { own: &[], paper: &[] };
 /// --quick.
 const COLOR_THRESHOLDS: [Scale; 3] = [(0.02, "0-02"), (0.005, "0-005"), (0.05, "0-05")];
 const QUICK_COLOR_THRESHOLDS: usize = 1;
+
+/// Spreads of Surfaces beside the settings as given, for the greatest m; its presets are there too.
+const SPREADS: [Scale; 3] = [(0.3, "0-3"), (0.04, "0-04"), (0.002, "0-002")];
 
 /// All entries: by m, the greatest first, m = 1 last. `ms` holds no m twice.
 ///
@@ -143,6 +147,13 @@ pub fn plan(ms: &[u32], techniques: &[&str], base: Settings, quick: bool) -> Vec
                 all.push(Planned { id, label, role: Role::Technique, preset, m, settings, peer: None });
             }
         }
+        if wanted("surfaces") {
+            let spreads = if place == 0 && !quick { &SPREADS[..] } else { &[] };
+            for (id, label, preset, surfaces) in surfaces(m, base.surfaces, spreads) {
+                let settings = Settings { technique: Technique::Surfaces, surfaces, ..base };
+                all.push(Planned { id, label, role: Role::Technique, preset, m, settings, peer: None });
+            }
+        }
     }
     let plain = Settings { technique: Technique::Single, ..base };
     let at_one = |id: &str, label: &str, role, peer| {
@@ -189,6 +200,22 @@ fn lattices(m: u32, base: MultiResolution, thresholds: &[Scale], sparse: bool) -
         all.push((format!("{id}-sparse"), format!("{name}, sparse, m = {m}"), None, below));
         let label = format!("{name}, as in the paper, m = {m}");
         all.push((format!("{id}-paper"), label, Some("paper"), MultiResolution::PAPER));
+    }
+    all
+}
+
+/// Each entry of Surfaces at one m.
+fn surfaces(m: u32, base: Surfaces, spreads: &[Scale]) -> Vec<Own<Surfaces>> {
+    let id = format!("surfaces-m{m}");
+    let preset = (base == Preset::default().surfaces()).then_some("balanced");
+    let mut all = vec![(id.clone(), format!("Surfaces, m = {m}"), preset, base)];
+    for (name, preset) in [("fast", Preset::Fast), ("quality", Preset::Quality)] {
+        all.push((format!("{id}-{name}"), format!("Surfaces, {name}, m = {m}"), Some(name), preset.surfaces()));
+    }
+    for &(spread, name) in spreads {
+        // Taps as seldom as lights.
+        let surfaces = Surfaces { spread, tap_spread: base.tap_spread * spread / base.spread.max(1e-6), ..base };
+        all.push((format!("{id}-{name}"), format!("Surfaces, spread {spread}, m = {m}"), None, surfaces));
     }
     all
 }

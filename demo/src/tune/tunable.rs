@@ -2,7 +2,7 @@
 
 use super::search::{Axis, two_digits};
 use deferred_aa::{
-    DepthMeasure, Lattice, LuminanceCurve, MultiResolution, Pattern, Selective, Settings, Technique, Windowed,
+    DepthMeasure, Lattice, LuminanceCurve, MultiResolution, Pattern, Selective, Settings, Surfaces, Technique, Windowed,
 };
 use serde::Serialize;
 use std::fmt::Debug;
@@ -280,6 +280,67 @@ impl Tunable for MultiResolution {
     }
 }
 
+impl Tunable for Surfaces {
+    const TECHNIQUE: &'static str = "surfaces";
+    const AXES: &'static [Axis] = &[
+        Axis { name: "tap_spread", least: 0.0002, most: 0.3 },
+        Axis { name: "widening", least: 0.02, most: 0.5 },
+        // Textures shimmer below a half where few taps are read, which no error of a single frame shows.
+        Axis { name: "footprint", least: 0.5, most: 1.2 },
+    ];
+    const DIAL: [f64; 2] = [0.0002, 3.0];
+    const TOWARDS_MORE: f64 = -1.0;
+    const START: Self = Self {
+        spread: 0.05,
+        groups: 8,
+        taps: 16,
+        first_taps: 4,
+        tap_spread: 0.03,
+        surfaces: 6,
+        normal_cosine: 0.95,
+        plane: 0.01,
+        widening: 0.25,
+        footprint: 0.5,
+    };
+
+    fn settings(self) -> Settings {
+        Settings { technique: Technique::Surfaces, surfaces: self, ..Default::default() }
+    }
+
+    fn values(&self) -> Vec<f32> {
+        vec![self.tap_spread, self.widening, self.footprint]
+    }
+
+    fn with_values(self, values: &[f64]) -> Self {
+        let &[tap_spread, widening, footprint] = values else { return self };
+        let [tap_spread, widening, footprint] = [tap_spread, widening, footprint].map(|v| v as f32);
+        Self { tap_spread, widening, footprint, ..self }
+    }
+
+    fn dial(&self) -> f32 {
+        self.spread
+    }
+
+    fn with_dial(self, spread: f32) -> Self {
+        Self { spread, ..self }
+    }
+
+    fn starts(self) -> Vec<Self> {
+        vec![self]
+    }
+
+    fn variants(self) -> Vec<Self> {
+        let taps = [2, 4, 8].map(|first_taps| Self { first_taps, ..self });
+        let cosines = [0.9, 0.95, 0.98].map(|normal_cosine| Self { normal_cosine, ..self });
+        let groups = [4, 8].map(|groups| Self { groups, ..self });
+        taps.into_iter().chain(cosines).chain(groups).filter(|v| *v != self).collect()
+    }
+
+    fn source(&self) -> String {
+        format!("{self:#?}")
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -309,6 +370,8 @@ mod tests {
         go_there_and_back(Selective::START);
         go_there_and_back(MultiResolution::default());
         go_there_and_back(MultiResolution::START);
+        go_there_and_back(Surfaces::default());
+        go_there_and_back(Surfaces::START);
     }
 
     fn differ_by_one_choice<T: Tunable>(settings: T, count: usize) {
@@ -325,6 +388,7 @@ mod tests {
         differ_by_one_choice(Windowed::default(), 4);
         differ_by_one_choice(Selective::default(), 4);
         differ_by_one_choice(MultiResolution::default(), 10);
+        differ_by_one_choice(Surfaces::default(), 5);
     }
 
     #[test]

@@ -21,7 +21,7 @@ pub const PAGE_FILE: &str = "report.html";
 const BRIGHTEST: f32 = 0.25;
 
 /// Most entries with pictures on the page.
-const SHOWN: usize = 10;
+const SHOWN: usize = 11;
 
 /// Most pixels of a picture on the page; larger ones are made smaller, and crops stay as they are.
 const MOST_PIXELS: f64 = 1.2e6;
@@ -112,7 +112,7 @@ pub fn images(session: &Session, entries: &[Entry], crops: &[Crop]) -> Result<Im
     Ok(images)
 }
 
-/// Plain shading, the peers, Windowed by its names, Selective, MultiResolution, and Full, of the largest m.
+/// Plain shading, the peers, Windowed by its names, Selective, MultiResolution, Surfaces, and Full, of the largest m.
 pub fn shown(entries: &[Entry]) -> Vec<&Entry> {
     let m = entries.iter().map(|e| e.stats.m).max().unwrap_or(1);
     let windowed = |e: &&Entry| e.stats.settings.technique == Technique::Windowed && e.stats.m == m;
@@ -120,9 +120,10 @@ pub fn shown(entries: &[Entry]) -> Vec<&Entry> {
     let mut all: Vec<_> = find("single-m1".to_owned()).collect();
     all.extend(entries.iter().filter(|e| e.stats.m == 1 && e.id != "single-m1"));
     all.extend(entries.iter().filter(windowed).filter(|e| e.preset.is_some() || e.id == format!("windowed-m{m}")));
-    all.truncate(SHOWN - 3);
+    all.truncate(SHOWN - 4);
     all.extend(find(format!("selective-m{m}")));
     all.extend(find(format!("multiresolution-m{m}")));
+    all.extend(find(format!("surfaces-m{m}")));
     all.extend(find(format!("full-m{m}")));
     if all.is_empty() {
         all.extend(entries.iter().take(SHOWN));

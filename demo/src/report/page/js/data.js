@@ -8,8 +8,8 @@ const CLOSE = 1.1; // as accurate as Full: an error at most this much greater
 const GRID_GOOD = 0.01; // 40 dB: good enough where there is no truth
 const EQUAL_TIME = 1.05;
 const PASS_ORDER = ["gbuffer", "classify", "trace first", "reflect first", "refine rays", "refine", "points", "lattice_to_pixels", "first",
-  "metrics", "plan", "select", "list", "trace", "reflect", "shade", "quadrants", "reconstruct", "resolve", "fxaa", "smaa"];
-const KINDS = { windowed: "Windowed", selective: "Selective", multiresolution: "MultiResolution",
+  "metrics", "plan", "select", "cover", "list", "trace", "reflect", "shade", "quadrants", "reconstruct", "light", "resolve", "fxaa", "smaa"];
+const KINDS = { windowed: "Windowed", selective: "Selective", multiresolution: "MultiResolution", surfaces: "Surfaces",
   reconstructed: "Reconstructed", full: "Full", single: "Single", fxaa: "FXAA", smaa: "SMAA", other: "other" };
 const MEASURES = {
   rmse: { name: "rMSE", of: (q) => fromDb(q.psnr_db) },

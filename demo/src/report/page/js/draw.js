@@ -65,6 +65,7 @@ const SHAPES = {
   windowed: (r) => `M${-r},0a${r},${r} 0 1 0 ${2 * r},0a${r},${r} 0 1 0 ${-2 * r},0Z`,
   selective: (r) => spokes(8, 0, r * 1.5, r * 0.65),
   multiresolution: (r, s = r * 1.45) => `M${-s},${-s}H${s}L${-s},${s}H${s}Z`,
+  surfaces: (r) => spokes(6, 0, r * 1.4, r * 0.8),
   reconstructed: (r) => spokes(5, 0, r * 1.2),
   full: (r) => spokes(4, 0.125, r * 1.25),
   single: (r) => spokes(4, 0, r * 1.3),
