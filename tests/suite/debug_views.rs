@@ -133,6 +133,7 @@ fn rays_are_shown_on_every_technique() {
         let (image, _) = shown(&mut host, of(DebugView::Shadows));
         let first = match settings.technique {
             Technique::Reconstructed if settings.reconstructed.rotated_grid => window::rotated(m),
+            Technique::Surfaces => window::rotated(m),
             Technique::Selective => window::centred(m),
             _ => window::order(m),
         }[0];

@@ -90,7 +90,7 @@ struct Scene {
 
 impl Scene {
     fn of(rig: &Rig, sample: fn(u32, u32) -> Sample) -> Self {
-        Self { m: rig.aa.m(), camera: rig.camera, order: window::order(rig.aa.m()), sample }
+        Self { m: rig.aa.m(), camera: rig.camera, order: window::rotated(rig.aa.m()), sample }
     }
 
     fn at(&self, pixel: [u32; 2], rank: usize) -> (Sample, DVec3) {
