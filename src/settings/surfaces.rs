@@ -82,7 +82,7 @@ impl Preset {
         match self {
             Self::Fast => Surfaces { spread: 0.1, tap_spread: 0.03, ..balanced },
             Self::Balanced => balanced,
-            Self::Quality => Surfaces { spread: 0.005, tap_spread: 0.001, first_taps: 8, ..balanced },
+            Self::Quality => Surfaces { spread: 0.005, tap_spread: 0.001, ..balanced },
         }
     }
 }
