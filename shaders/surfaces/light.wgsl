@@ -111,7 +111,7 @@ fn daa_light_deviation(deviations: vec2f) -> f32 {
 
 /// The mean material. What the mean normal has lost in length becomes roughness: κ of a von Mises–Fisher distribution
 /// (Banerjee et al. 2005) as slopes that widen the lobe (Tokuyoshi, Kaplanyan 2019, "Improved Geometric Specular
-/// Antialiasing", equation 5).
+/// Antialiasing").
 fn daa_mean_material(g: DaaGathered) -> DaaMaterial {
     let share = 1.0 / g.taps;
     var m: DaaMaterial;

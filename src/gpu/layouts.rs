@@ -474,6 +474,15 @@ fn flags_are_the_shaders() {
 }
 
 #[test]
+fn limits_of_surfaces_are_the_shaders() {
+    let light = module(&passes::surfaces::light::LIGHT, RayInputs::default(), RayTier::Software);
+    assert_eq!(constant(&light, "DAA_MOST_TAPS"), crate::Surfaces::MOST_TAPS);
+    let (members, _) = wgsl_layout(&light, "DaaWindowList");
+    let slots = members.iter().find(|(name, ..)| name == "slots").expect("slots");
+    assert_eq!(u64::from(slots.1), crate::gpu::sizes::SURFACE_LIST_HEAD_BYTES);
+}
+
+#[test]
 fn deciding_metrics_are_the_shaders() {
     let module = metrics();
     for by in DecidedBy::ALL {

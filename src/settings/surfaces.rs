@@ -54,7 +54,7 @@ impl Surfaces {
     pub(crate) const MOST_TAPS: u32 = 16;
     /// The most groups of a surface.
     pub(crate) const MOST_GROUPS: u32 = 8;
-    /// The most surfaces of a window: their labels have three bits, and a count of 7 must fit as well.
+    /// The most surfaces of a window: their labels and their number have three bits each.
     pub(crate) const MOST_SURFACES: u32 = 6;
 }
 
