@@ -52,7 +52,7 @@ const DAA_SEEN_CONTRAST: f32 = 0.02;
 
 /// The luminance that the first sample reflects and refracts, exposed, on the curve c/(1+c).
 fn daa_reflected_luminance(pixel: vec2u) -> f32 {
-    let c = daa_luminance(daa_radiance_decode(daa_reflection_code(pixel, 0u))) * daa_frame.exposure;
+    let c = daa_luminance(daa_exposed(daa_radiance_decode(daa_reflection_code(pixel, 0u))));
     return c / (1.0 + c);
 }
 
