@@ -8,7 +8,13 @@ use crate::wgsl::chunk;
 static MODULE: Module = Module {
     name: "cover",
     base: Base::Found,
-    chunks: &[chunk::RANKS, chunk::RESULTS_BY_RANK, chunk::MASKS, include_str!("../../../shaders/surfaces/cover.wgsl")],
+    chunks: &[
+        chunk::RANKS,
+        chunk::RESULTS_BY_RANK,
+        chunk::DISPLAY,
+        chunk::MASKS,
+        include_str!("../../../shaders/surfaces/cover.wgsl"),
+    ],
 };
 
 pub(crate) static COVER: PassData = PassData {
