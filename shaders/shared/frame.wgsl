@@ -93,8 +93,11 @@ struct DaaSurfaces {
     spread: f32,
     /// How much the length that a mean normal loses widens the lobe.
     widening: f32,
+    /// The squared distance of features up to which a window takes its light from the corners of its block. 0: none does.
+    block_spread: f32,
+    /// The difference of displayed luminance between the corners up to which it does.
+    block_contrast: f32,
     padding: u32,
-    padding_too: vec2u,
 }
 
 /// Where the results of a sample's rays lie. The results of the first ranks go rank by rank, with a word for each slot.

@@ -161,10 +161,17 @@ fn daa_mean_reflected(ranks: vec2u, s: DaaSample) -> vec3f {
     return select(s.reflected, sum / max(own, 1.0), own > 0.0);
 }
 
+/// The colour of taps that share a light, and that light.
+struct DaaLit {
+    color: vec4f,
+    light: DaaLight,
+}
+
 /// Lights the taps once. `s` is one of those that show a surface, `ranks` are the samples that they stand for, and
 /// `coverage` is their share of the window.
-fn daa_light(g: DaaGathered, s: DaaSample, ranks: vec2u, coverage: f32) -> vec4f {
+fn daa_light(g: DaaGathered, s: DaaSample, ranks: vec2u, coverage: f32) -> DaaLit {
     var radiance = vec4f(0.0);
+    var light: DaaLight;
     if g.taps == 0.0 {
         // Nothing but sky.
     } else if DAA_SPLIT_HOOK {
@@ -181,7 +188,9 @@ fn daa_light(g: DaaGathered, s: DaaSample, ranks: vec2u, coverage: f32) -> vec4f
         if g.traced != 0u {
             f.reflected = daa_mean_reflected(ranks, s);
         }
-        radiance = daa_call_light(f, daa_mean_material(g));
+        let m = daa_mean_material(g);
+        light = daa_call_light(f, m);
+        radiance = daa_radiance(light, m);
     } else {
         radiance = daa_call_hook(s, coverage);
     }
@@ -191,7 +200,7 @@ fn daa_light(g: DaaGathered, s: DaaSample, ranks: vec2u, coverage: f32) -> vec4f
     } else if clean.what == DAA_NEGATIVE {
         atomicAdd(&daa_statistics.negative, 1u);
     }
-    return clean.color;
+    return DaaLit(clean.color, light);
 }
 
 /// Adds the colour of a share of the window.
@@ -242,19 +251,85 @@ fn daa_central(ranks: vec2u, samples: u32) -> u32 {
     return nearest;
 }
 
-/// Lights windows of one surface whose first taps are alike. The others are left to the list.
-@compute @workgroup_size(8, 8)
-fn daa_light_one(
-    @builtin(global_invocation_id) id: vec3u,
-    @builtin(workgroup_id) tile: vec3u,
-    @builtin(local_invocation_index) lane: u32,
-) {
-    let pixel = id.xy;
-    let slot = daa_tile_index(tile.xy) * 64u + lane;
-    let word = daa_surfaces[slot];
-    if daa_surface_count(word) != 1u {
-        return;
+// Blocks of 4 × 4 windows. Those at the corners are lit, and the light of those between is interpolated where they show
+// the same surface, alike, in light that hardly changes over the block.
+
+/// What the corners of the tile's four blocks know, four corners to a block.
+struct DaaCorner {
+    /// w: 1 if the window is one surface, lit once, that reflects nothing of the scene.
+    diffuse: vec4f,
+    rest: vec4f,
+    /// The means of the features of its taps.
+    shape: vec4f,
+    tint: vec4f,
+    relative_position: vec3f,
+    /// material | object << 16.
+    identity: u32,
+    normal: vec3f,
+    shadow: u32,
+}
+var<workgroup> daa_corners: array<DaaCorner, 16>;
+
+/// The place of a lane in its tile: the corners of blocks go first, so that few lanes wait while they are lit.
+fn daa_block_place(lane: u32) -> vec2u {
+    let is_corner = lane < 16u;
+    let block = select((lane - 16u) / 12u, lane >> 2u, is_corner);
+    let between = (lane - 16u) % 12u;
+    let inner = between + 1u + u32(between >= 2u) + u32(between >= 10u);
+    let corner = vec2u(lane & 1u, (lane >> 1u) & 1u) * 3u;
+    return vec2u(block & 1u, block >> 1u) * 4u + select(vec2u(inner & 3u, inner >> 2u), corner, is_corner);
+}
+
+/// Luminance on the display curve c/(1+c).
+fn daa_seen_luminance(color: vec3f) -> f32 {
+    let c = daa_luminance(daa_exposed(max(color, vec3f(0.0))));
+    return c / (1.0 + c);
+}
+
+/// The light of a window between the corners of its block; w of `diffuse` is 0 where it needs its own.
+fn daa_interpolated(place: vec2u, here: DaaCorner, color: vec3f) -> DaaCorner {
+    let block = (place.x >> 2u) + ((place.y >> 2u) << 1u);
+    let along = vec2f(place & vec2u(3u)) / 3.0;
+    var mean: DaaCorner;
+    var least = 1e30;
+    var most = 0.0;
+    var fits = here.diffuse.w > 0.0;
+    for (var i = 0u; i < 4u; i++) {
+        let far = vec2u(i & 1u, i >> 1u) == vec2u(1u);
+        let weights = select(1.0 - along, along, far);
+        let weight = weights.x * weights.y;
+        if weight > 0.0 {
+            let corner = daa_corners[block * 4u + i];
+            let off = abs(dot(here.normal, corner.relative_position - here.relative_position));
+            let near = off <= daa_frame.surfaces.plane * abs(dot(here.relative_position, daa_frame.camera_forward));
+            let same = corner.identity == here.identity && corner.shadow == here.shadow;
+            let bent = dot(here.normal, corner.normal) < daa_frame.surfaces.normal_cosine;
+            fits = fits && corner.diffuse.w > 0.0 && same && near && !bent;
+            mean.diffuse += weight * corner.diffuse;
+            mean.rest += weight * corner.rest;
+            mean.shape += weight * corner.shape;
+            mean.tint += weight * corner.tint;
+            let seen = daa_seen_luminance(corner.diffuse.rgb * color + corner.rest.rgb);
+            least = min(least, seen);
+            most = max(most, seen);
+        }
     }
+    let shape = mean.shape - here.shape;
+    let tint = mean.tint - here.tint;
+    let apart = dot(shape, shape) + DAA_TINT_WEIGHT * dot(tint, tint);
+    fits = fits && apart <= daa_frame.surfaces.block_spread && most - least <= daa_frame.surfaces.block_contrast;
+    mean.diffuse.w = select(0.0, 1.0, fits);
+    return mean;
+}
+
+/// Lights windows of one surface whose first taps are alike. The others are left to the list.
+@compute @workgroup_size(64)
+fn daa_light_one(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocation_index) lane: u32) {
+    let blocks = DAA_LIGHT_IN_PARTS && daa_frame.surfaces.block_spread > 0.0;
+    let place = select(vec2u(lane & 7u, lane >> 3u), daa_block_place(lane), blocks);
+    let pixel = tile.xy * 8u + place;
+    let slot = daa_slot(pixel);
+    let word = daa_surfaces[slot];
     let n = DAA_M * DAA_M;
     var taps = min(min(daa_frame.surfaces.first_taps, daa_frame.surfaces.taps), n);
     var offset = vec2f(0.0);
@@ -267,18 +342,21 @@ fn daa_light_one(
     let footprint = daa_tap_footprint(n, taps);
     var g: DaaGathered;
     var s: DaaSample;
-    for (var rank = 0u; rank < taps; rank++) {
-        let tap = daa_fetch(pixel, select(daa_central(daa_all_ranks(), n), rank, DAA_SPLIT_HOOK), footprint, offset);
-        if tap.depth == 0.0 {
-            g.sky_taps += 1.0;
-            g.sky += daa_call_sky(tap);
-        } else {
-            s = tap;
-            if DAA_SPLIT_HOOK {
-                let m = daa_call_material(tap);
-                g = daa_gather(g, tap, m, daa_spread(tap, m));
+    var left = daa_surface_count(word) == 1u;
+    if left {
+        for (var rank = 0u; rank < taps; rank++) {
+            let tap = daa_fetch(pixel, select(daa_central(daa_all_ranks(), n), rank, DAA_SPLIT_HOOK), footprint, offset);
+            if tap.depth == 0.0 {
+                g.sky_taps += 1.0;
+                g.sky += daa_call_sky(tap);
             } else {
-                g.taps = 1.0;
+                s = tap;
+                if DAA_SPLIT_HOOK {
+                    let m = daa_call_material(tap);
+                    g = daa_gather(g, tap, m, daa_spread(tap, m));
+                } else {
+                    g.taps = 1.0;
+                }
             }
         }
     }
@@ -286,13 +364,47 @@ fn daa_light_one(
         let deviations = daa_deviations(g) / g.taps;
         let coarse = taps < min(daa_frame.surfaces.taps, n) && daa_coarse(deviations, taps);
         let apart = daa_light_deviation(deviations) > daa_frame.surfaces.spread && daa_frame.surfaces.most_groups > 1u;
-        if coarse || apart || daa_mixed_shadow(pixel, daa_all_ranks()) {
-            return;
-        }
+        left = left && !(coarse || apart || daa_mixed_shadow(pixel, daa_all_ranks()));
     }
-    let mean = daa_covered(DaaMean(), daa_light(g, s, daa_all_ranks(), 1.0), 1.0);
-    textureStore(daa_color, pixel, daa_mean_finish(mean));
-    daa_surfaces[slot] = daa_surface_word_lit(word, 1u, taps);
+    var here: DaaCorner;
+    if blocks && left && g.taps > 0.0 && g.sky_taps == 0.0 {
+        here.diffuse.w = select(1.0, 0.0, any(s.reflected != vec3f(0.0)));
+        here.shape = g.from_shape + g.shape / g.taps;
+        here.tint = g.from_tint + g.tint / g.taps;
+        here.relative_position = s.relative_position;
+        here.normal = s.normal;
+        here.identity = s.material | (s.object << 16u);
+        here.shadow = g.all_shadow;
+    }
+    // First the corners, then what is left between.
+    for (var turn = 0u; turn < 2u; turn++) {
+        if left && turn == 1u {
+            let base_color = g.material.base_color.rgb / g.taps;
+            let between = daa_interpolated(place, here, base_color);
+            if between.diffuse.w > 0.0 {
+                let color = vec4f(between.diffuse.rgb * base_color + between.rest.rgb, between.rest.a);
+                textureStore(daa_color, pixel, daa_clean(color).color);
+                daa_surfaces[slot] = daa_surface_word_lit(word, 0u, taps);
+                left = false;
+            }
+        }
+        if left && (turn == 1u || lane < 16u || !blocks) {
+            let lit = daa_light(g, s, daa_all_ranks(), 1.0);
+            let mean = daa_covered(DaaMean(), lit.color, 1.0);
+            textureStore(daa_color, pixel, daa_mean_finish(mean));
+            daa_surfaces[slot] = daa_surface_word_lit(word, 1u, taps);
+            here.diffuse = vec4f(lit.light.diffuse, here.diffuse.w);
+            here.rest = lit.light.rest;
+            left = false;
+        }
+        if !blocks {
+            break;
+        }
+        if turn == 0u && lane < 16u {
+            daa_corners[lane] = here;
+        }
+        workgroupBarrier();
+    }
 }
 
 /// The windows that are left.
@@ -325,7 +437,7 @@ fn daa_light_list(@builtin(global_invocation_id) id: vec3u) {
     var left = 0u;
     for (var i = 0u; i < 64u; i++) {
         let word = daa_surfaces[first_slot + i];
-        left += u32(daa_surface_count(word) > 0u && daa_surface_lights(word) == 0u);
+        left += u32(!daa_surface_is_lit(word));
     }
     if left == 0u {
         return;
@@ -339,7 +451,7 @@ fn daa_light_list(@builtin(global_invocation_id) id: vec3u) {
         for (var i = 0u; i < 64u; i++) {
             let word = daa_surfaces[first_slot + i];
             let of_kind = select(daa_surface_count(word) == 1u, daa_surface_count(word) > 1u, kind == 1u);
-            if of_kind && daa_surface_lights(word) == 0u {
+            if of_kind && !daa_surface_is_lit(word) {
                 daa_list_out.slots[at] = first_slot + i;
                 at += 1u;
             }
@@ -624,7 +736,7 @@ fn daa_light_listed(@builtin(workgroup_id) group: vec3u, @builtin(local_invocati
             return;
         }
         let coverage = surface.share * f32(surface.taps);
-        mean = daa_covered(mean, daa_light(read.g, read.s, surface.ranks, coverage), coverage);
+        mean = daa_covered(mean, daa_light(read.g, read.s, surface.ranks, coverage).color, coverage);
     }
     textureStore(daa_color, pixel, daa_mean_finish(mean));
     daa_surfaces[slot] = daa_surface_word_lit(word, surfaces, taps);
@@ -680,7 +792,7 @@ fn daa_light_cut(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_
         }
         let coverage = surface.share * f32(countOneBits(chosen));
         let ranks = select(surface.ranks, read.ranks, grouped);
-        mean = daa_covered(mean, daa_light(read.g, read.s, ranks, coverage), coverage);
+        mean = daa_covered(mean, daa_light(read.g, read.s, ranks, coverage).color, coverage);
         lights += 1u;
     }
     textureStore(daa_color, pixel, daa_mean_finish(mean));

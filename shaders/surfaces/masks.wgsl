@@ -3,7 +3,8 @@
 // A word for each slot:
 // - Bits 0 to 2: the number of surfaces, 0 where the window is not shown.
 // - Bit 3: whether samples were merged into the last surface although they do not belong to it.
-// - Bits 8 to 14: the number of lights, 0 until the window is lit.
+// - Bit 4: whether the window is lit, or not shown.
+// - Bits 8 to 14: the number of its own lights, 0 if its light is interpolated.
 // - Bits 16 to 31: the number of taps.
 // Then, for the samples of each window, three bits of the surface's label: each of the three is a set of ranks.
 
@@ -19,6 +20,10 @@ fn daa_surface_merged(word: u32) -> bool {
     return (word & 8u) != 0u;
 }
 
+fn daa_surface_is_lit(word: u32) -> bool {
+    return (word & 7u) == 0u || (word & 16u) != 0u;
+}
+
 fn daa_surface_lights(word: u32) -> u32 {
     return (word >> 8u) & 127u;
 }
@@ -28,7 +33,7 @@ fn daa_surface_taps(word: u32) -> u32 {
 }
 
 fn daa_surface_word_lit(word: u32, lights: u32, taps: u32) -> u32 {
-    return (word & 15u) | (lights << 8u) | (taps << 16u);
+    return (word & 15u) | 16u | (lights << 8u) | (taps << 16u);
 }
 
 /// The index of the first word of a set of ranks of a slot.

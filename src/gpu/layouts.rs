@@ -323,6 +323,8 @@ fn every_module_is_sound_and_has_the_frame() {
                 tap_spread,
                 spread,
                 widening,
+                block_spread,
+                block_contrast,
                 padding,
             }),
         ),

@@ -109,6 +109,8 @@ impl Settings {
         range!(surfaces.taps, 1.0, Surfaces::MOST_TAPS as f32, Whole),
         range!(surfaces.first_taps, 1.0, Surfaces::MOST_TAPS as f32, Whole),
         range!(surfaces.tap_spread, 0.0, 1e6, Logarithmic),
+        range!(surfaces.block_spread, 0.0, 1e6, Logarithmic),
+        range!(surfaces.block_contrast, 0.0, 1.0, Logarithmic),
         range!(surfaces.surfaces, 1.0, Surfaces::MOST_SURFACES as f32, Whole),
         range!(surfaces.normal_cosine, -1.0, 1.0, Linear),
         range!(surfaces.plane, 0.0, 1.0, Logarithmic),

@@ -30,6 +30,14 @@ pub struct Surfaces {
     /// The spread above which a window of one surface gets all its taps, with its colours at full weight, 0 to 1e6.
     /// Higher: fewer taps. 0: all taps unless the first are the same.
     pub tap_spread: f32,
+    /// The squared distance of features up to which a window takes its light from the corners of a block of 4 × 4
+    /// windows instead of being lit itself, 0 to 1e6. Its colours remain its own. Higher: fewer lights, down to a
+    /// quarter for each pixel, bumps are smoothed. 0: every window is lit. Needs a host whose `light` returns `DaaLight`;
+    /// without it, nothing changes.
+    pub block_spread: f32,
+    /// The greatest difference between the displayed luminances of a block's corners (c/(1+c), 0 to 1) up to which the
+    /// light between them is interpolated. Higher: fewer lights, small highlights and the rims of lights are missed.
+    pub block_contrast: f32,
     /// The most surfaces that are told apart in a window, 1 to 6. The samples of further ones are merged into the last;
     /// [`SurfaceCounts::merged`](crate::SurfaceCounts::merged) counts such windows. Higher: better foliage, ropes and
     /// fences.
@@ -73,6 +81,8 @@ impl Preset {
             taps: 16,
             first_taps: 4,
             tap_spread: 0.01,
+            block_spread: 0.0,
+            block_contrast: 0.05,
             surfaces: 6,
             normal_cosine: 0.95,
             plane: 0.01,

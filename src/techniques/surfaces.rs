@@ -34,7 +34,9 @@ impl Method for Surfaces {
             tap_spread: s.tap_spread,
             spread: s.spread,
             widening: s.widening,
-            padding: [0; 3],
+            block_spread: s.block_spread,
+            block_contrast: s.block_contrast,
+            padding: 0,
         };
         uniform.set_centres(m, &self.order(settings, m));
     }

@@ -34,7 +34,7 @@ pub(crate) fn directives(tier: TextureTier) -> &'static str {
 pub(crate) struct HostSource {
     pub source: String,
     tier: TextureTier,
-    split: bool,
+    hook: Hook,
     sky: bool,
     /// Whether it has `solid`, for masked materials.
     pub solid: bool,
@@ -46,12 +46,24 @@ pub(crate) struct HostSource {
     reads: Vec<(&'static str, [u32; 2])>,
 }
 
+/// The host's functions that shade a sample.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Hook {
+    /// `shade`.
+    Whole,
+    /// `material`, and `light` that returns radiance.
+    Split,
+    /// `material`, and `light` that returns `DaaLight`.
+    Parts,
+}
+
 /// The fields of `DaaSample` and `DaaSurface` that a G-buffer may leave out.
 const CHANNELS: [&str; 6] = ["uv", "ddx", "ddy", "tangent", "geometric_normal", "user"];
 
 const SHADE: (&str, &str) = ("shade", "fn shade(s: DaaSample) -> vec4f");
 const MATERIAL: (&str, &str) = ("material", "fn material(s: DaaSample) -> DaaMaterial");
 const LIGHT: (&str, &str) = ("light", "fn light(f: DaaSurface, m: DaaMaterial) -> vec4f");
+const LIGHT_IN_PARTS: (&str, &str) = ("light", "fn light(f: DaaSurface, m: DaaMaterial) -> DaaLight");
 const SKY: (&str, &str) = ("sky", "fn sky(s: DaaSample) -> vec4f");
 const REFLECTION: (&str, &str) = ("reflection", "fn reflection(s: DaaSample) -> DaaReflection");
 const SPREAD: (&str, &str) = ("spread", "fn spread(s: DaaSample, m: DaaMaterial) -> DaaSpread");
@@ -113,7 +125,7 @@ impl HostSource {
             let range = joined.declaration(&entry.name);
             return Err(at(range, ShadingErrorKind::EntryPoint(entry.name.clone())));
         }
-        let split = joined.hook(file, &module)?;
+        let hook = joined.hook(file, &module)?;
         let sky = joined.signature(file, &module, SKY, &[Type::Struct("DaaSample")], Type::VEC4F)?;
         let reflects =
             joined.signature(file, &module, REFLECTION, &[Type::Struct("DaaSample")], Type::Struct("DaaReflection"))?;
@@ -138,7 +150,7 @@ impl HostSource {
             }
         }
         let reads = joined.channels(&module, &info);
-        Ok(Self { source: source.to_owned(), tier, split, sky, solid, spread, reflects, reads })
+        Ok(Self { source: source.to_owned(), tier, hook, sky, solid, spread, reflects, reads })
     }
 
     /// Checks that the source reads nothing that a stored G-buffer leaves out. `file` is named in the error.
@@ -150,10 +162,17 @@ impl HostSource {
 
     /// The functions through which the crate calls the host's functions.
     pub fn calls(&self) -> [&'static str; 2] {
-        let hook = if self.split {
-            "fn daa_call_hook(s: DaaSample, coverage: f32) -> vec4f { return light(daa_surface(s, coverage), material(s)); }"
-        } else {
-            "fn daa_call_hook(s: DaaSample, coverage: f32) -> vec4f { return shade(s); }"
+        let hook = match self.hook {
+            Hook::Whole => "fn daa_call_hook(s: DaaSample, coverage: f32) -> vec4f { return shade(s); }",
+            Hook::Split => {
+                "fn daa_call_hook(s: DaaSample, coverage: f32) -> vec4f { return light(daa_surface(s, coverage), material(s)); }"
+            }
+            Hook::Parts => {
+                "fn daa_call_hook(s: DaaSample, coverage: f32) -> vec4f {
+    let m = material(s);
+    return daa_radiance(light(daa_surface(s, coverage), m), m);
+}"
+            }
         };
         let sky = if self.sky {
             "fn daa_call_sky(s: DaaSample) -> vec4f { return sky(s); }"
@@ -165,14 +184,25 @@ impl HostSource {
 
     /// The functions through which `light` of `Surfaces` calls the host's functions apart.
     pub fn split_calls(&self) -> [&'static str; 2] {
-        let split = if self.split {
-            "const DAA_SPLIT_HOOK: bool = true;
-fn daa_call_material(s: DaaSample) -> DaaMaterial { return material(s); }
-fn daa_call_light(f: DaaSurface, m: DaaMaterial) -> vec4f { return light(f, m); }"
-        } else {
-            "const DAA_SPLIT_HOOK: bool = false;
+        let split = match self.hook {
+            Hook::Whole => {
+                "const DAA_SPLIT_HOOK: bool = false;
+const DAA_LIGHT_IN_PARTS: bool = false;
 fn daa_call_material(s: DaaSample) -> DaaMaterial { return DaaMaterial(); }
-fn daa_call_light(f: DaaSurface, m: DaaMaterial) -> vec4f { return vec4f(0.0); }"
+fn daa_call_light(f: DaaSurface, m: DaaMaterial) -> DaaLight { return DaaLight(); }"
+            }
+            Hook::Split => {
+                "const DAA_SPLIT_HOOK: bool = true;
+const DAA_LIGHT_IN_PARTS: bool = false;
+fn daa_call_material(s: DaaSample) -> DaaMaterial { return material(s); }
+fn daa_call_light(f: DaaSurface, m: DaaMaterial) -> DaaLight { return DaaLight(vec3f(0.0), light(f, m)); }"
+            }
+            Hook::Parts => {
+                "const DAA_SPLIT_HOOK: bool = true;
+const DAA_LIGHT_IN_PARTS: bool = true;
+fn daa_call_material(s: DaaSample) -> DaaMaterial { return material(s); }
+fn daa_call_light(f: DaaSurface, m: DaaMaterial) -> DaaLight { return light(f, m); }"
+            }
         };
         let spread = if self.spread {
             "fn daa_call_spread(s: DaaSample, m: DaaMaterial) -> DaaSpread { return spread(s, m); }"
@@ -345,16 +375,18 @@ impl Joined {
         self.declared().into_iter().find(|(declared, _)| *declared == name).map(|(_, range)| range)
     }
 
-    /// Whether the host has `material` and `light` (true) or `shade` (false).
-    fn hook(&self, file: &str, module: &naga::Module) -> Result<bool, ShadingError> {
+    /// The host's functions that shade a sample.
+    fn hook(&self, file: &str, module: &naga::Module) -> Result<Hook, ShadingError> {
         let [sample, surface, material] = ["DaaSample", "DaaSurface", "DaaMaterial"].map(Type::Struct);
         let shade = self.signature(file, module, SHADE, &[sample], Type::VEC4F)?;
-        let light = self.signature(file, module, LIGHT, &[surface, material], Type::VEC4F)?;
+        let in_parts = self.signature(file, module, LIGHT_IN_PARTS, &[surface, material], Type::Struct("DaaLight"));
+        let parts = matches!(in_parts, Ok(true));
+        let light = parts || self.signature(file, module, LIGHT, &[surface, material], Type::VEC4F)?;
         let material = self.signature(file, module, MATERIAL, &[sample], material)?;
         let wrong = |name: &str, kind| self.error(file, self.declaration(name), kind);
         match (shade, material, light) {
-            (true, false, false) => Ok(false),
-            (false, true, true) => Ok(true),
+            (true, false, false) => Ok(Hook::Whole),
+            (false, true, true) => Ok(if parts { Hook::Parts } else { Hook::Split }),
             (false, true, false) => {
                 Err(wrong("material", ShadingErrorKind::HalfHook { have: "material", missing: LIGHT.1 }))
             }

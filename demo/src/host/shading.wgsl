@@ -95,7 +95,9 @@ fn reflection(s: DaaSample) -> DaaReflection {
 }
 
 struct Brdf {
-    diffuse: vec3f,
+    /// The share of the base colour that is diffuse albedo, and that is mirrored at normal incidence.
+    diffuse: f32,
+    metallic: f32,
     f0: vec3f,
     alpha: f32,
     normal: vec3f,
@@ -105,10 +107,10 @@ struct Brdf {
 
 /// Lambert and GGX with height-correlated Smith visibility (Heitz 2014) and Schlick's Fresnel term, as glTF's appendix
 /// B. Times n·l.
-fn reflected(b: Brdf, l: vec3f) -> vec3f {
+fn reflected(b: Brdf, l: vec3f) -> DaaLight {
     let n_dot_l = dot(b.normal, l);
     if n_dot_l <= 0.0 {
-        return vec3f(0.0);
+        return DaaLight();
     }
     let sum = b.view + l;
     let h = sum * inverseSqrt(max(dot(sum, sum), 1e-12));
@@ -119,14 +121,20 @@ fn reflected(b: Brdf, l: vec3f) -> vec3f {
     let distribution = a2 / (3.14159265 * q * q);
     let visibility = 0.5
         / (n_dot_l * sqrt(b.n_dot_v * b.n_dot_v * (1.0 - a2) + a2) + b.n_dot_v * sqrt(n_dot_l * n_dot_l * (1.0 - a2) + a2));
-    let fresnel = b.f0 + (1.0 - b.f0) * pow(1.0 - v_dot_h, 5.0);
-    return (b.diffuse * (1.0 - fresnel) / 3.14159265 + fresnel * (distribution * visibility)) * n_dot_l;
+    let grazing = pow(1.0 - v_dot_h, 5.0);
+    let fresnel = b.f0 + (1.0 - b.f0) * grazing;
+    let mirrored = distribution * visibility * n_dot_l;
+    let of_metal = mirrored * b.metallic * (1.0 - grazing);
+    let of_glass = mirrored * (0.04 * (1.0 - b.metallic) * (1.0 - grazing) + grazing);
+    return DaaLight((1.0 - fresnel) * (b.diffuse * n_dot_l / 3.14159265) + of_metal, vec4f(vec3f(of_glass), 0.0));
 }
 
-fn lit(f: DaaSurface, b: Brdf) -> vec3f {
-    var sum = vec3f(0.0);
+fn lit(f: DaaSurface, b: Brdf) -> DaaLight {
+    var sum: DaaLight;
     if (f.shadow & lighting.sun_casts) == 0u {
-        sum = reflected(b, lighting.to_sun) * lighting.sun;
+        let by_sun = reflected(b, lighting.to_sun);
+        sum.diffuse = by_sun.diffuse * lighting.sun;
+        sum.rest = by_sun.rest * vec4f(lighting.sun, 0.0);
     }
     for (var i = 0u; i < lighting.light_count; i++) {
         let light = lights[i];
@@ -148,45 +156,54 @@ fn lit(f: DaaSurface, b: Brdf) -> vec3f {
                 intensity *= cone * cone;
             }
         }
-        sum += reflected(b, to_light) * intensity;
+        let by_light = reflected(b, to_light);
+        sum.diffuse += by_light.diffuse * intensity;
+        sum.rest += by_light.rest * vec4f(intensity, 0.0);
     }
     return sum;
 }
 
-fn light(f: DaaSurface, m: DaaMaterial) -> vec4f {
+fn light(f: DaaSurface, m: DaaMaterial) -> DaaLight {
     if m.user0.x > 0.5 {
-        return vec4f(m.base_color.rgb, 1.0);
+        return DaaLight(vec3f(1.0), vec4f(0.0, 0.0, 0.0, 1.0));
     }
     var b: Brdf;
     b.normal = m.normal * inverseSqrt(max(dot(m.normal, m.normal), 1e-12));
     b.view = f.view;
     // Normals that a map bends away from the eye count as grazing.
     b.n_dot_v = max(dot(b.normal, f.view), 0.001);
+    b.metallic = m.metallic;
     b.f0 = mix(vec3f(0.04), m.base_color.rgb, m.metallic);
-    b.diffuse = m.base_color.rgb * ((1.0 - m.metallic) * (1.0 - m.user0.y));
+    b.diffuse = (1.0 - m.metallic) * (1.0 - m.user0.y);
     let roughness = clamp(m.roughness, 0.045, 1.0);
     b.alpha = roughness * roughness;
 
-    var direct = lit(f, b);
+    var sum = lit(f, b);
     // Stands for a costly shader: each round needs the one before, so none can be left out.
     for (var i = 1u; i < lighting.stall; i++) {
-        b.alpha += min(direct.x, 0.0);
-        direct = lit(f, b);
+        b.alpha += min(sum.rest.x, 0.0);
+        sum = lit(f, b);
     }
 
     // The sky: its mean over the hemisphere for the diffuse part, and Lazarov's 2013 fit for the specular one, which
     // falls below 0 where f0 is 0.
-    let mirrored = reflect(-f.view, b.normal);
-    let blurred = mix(sky_radiance(mirrored), sky_radiance(b.normal) * 0.5 + lighting.horizon.rgb * 0.5, roughness);
-    let r = roughness * vec4f(-1.0, -0.0275, -0.572, 0.022) + vec4f(1.0, 0.0425, 1.04, -0.04);
-    let a004 = min(r.x * r.x, exp2(-9.28 * b.n_dot_v)) * r.x + r.y;
-    let specular = blurred * max(b.f0 * (-1.04 * a004 + r.z) + (1.04 * a004 + r.w), vec3f(0.0));
     let hemisphere = mix(lighting.ground.rgb, mix(lighting.horizon.rgb, lighting.zenith.rgb, 0.5), b.normal.y * 0.5 + 0.5);
+    sum.diffuse += hemisphere * (b.diffuse * m.occlusion);
     // What rays have brought is not guessed.
-    let ambient = (hemisphere * b.diffuse + select(specular, vec3f(0.0), f.traced != 0u)) * m.occlusion;
-    var through = vec3f(0.0);
-    if f.traced == 0u && m.user0.y > 0.0 {
-        through = sky_radiance(-f.view) * (1.0 - mirrored_share(m, b.n_dot_v)) * (m.user0.y * (1.0 - m.metallic)) * m.base_color.rgb;
+    if f.traced == 0u {
+        let mirrored = reflect(-f.view, b.normal);
+        let blurred = mix(sky_radiance(mirrored), sky_radiance(b.normal) * 0.5 + lighting.horizon.rgb * 0.5, roughness) * m.occlusion;
+        let r = roughness * vec4f(-1.0, -0.0275, -0.572, 0.022) + vec4f(1.0, 0.0425, 1.04, -0.04);
+        let a004 = min(r.x * r.x, exp2(-9.28 * b.n_dot_v)) * r.x + r.y;
+        let scale = -1.04 * a004 + r.z;
+        let least = -b.metallic * scale * min(min(m.base_color.r, m.base_color.g), m.base_color.b);
+        sum.diffuse += blurred * (b.metallic * scale);
+        sum.rest += vec4f(blurred * max(0.04 * (1.0 - b.metallic) * scale + 1.04 * a004 + r.w, least), 0.0);
+        if m.user0.y > 0.0 {
+            let through = (1.0 - mirrored_share(m, b.n_dot_v)) * (m.user0.y * (1.0 - m.metallic));
+            sum.diffuse += sky_radiance(-f.view) * through;
+        }
     }
-    return vec4f(direct + ambient + m.emissive + f.reflected + through, 1.0);
+    sum.rest += vec4f(m.emissive + f.reflected, 1.0);
+    return sum;
 }

@@ -296,6 +296,8 @@ impl Tunable for Surfaces {
         taps: 16,
         first_taps: 4,
         tap_spread: 0.03,
+        block_spread: 0.0,
+        block_contrast: 0.05,
         surfaces: 6,
         normal_cosine: 0.95,
         plane: 0.01,

@@ -83,7 +83,9 @@ pub(crate) struct SurfacesUniform {
     pub tap_spread: f32,
     pub spread: f32,
     pub widening: f32,
-    pub padding: [u32; 3],
+    pub block_spread: f32,
+    pub block_contrast: f32,
+    pub padding: u32,
 }
 
 /// `DaaResults` of frame.wgsl.

@@ -11,6 +11,7 @@ static MODULE: Module = Module {
     chunks: &[
         chunk::RANKS,
         chunk::RESULTS_PLANNED,
+        chunk::DISPLAY,
         chunk::MASKS,
         chunk::HISTOGRAM,
         include_str!("../../../shaders/surfaces/light.wgsl"),
