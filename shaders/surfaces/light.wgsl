@@ -286,6 +286,9 @@ fn daa_seen_luminance(color: vec3f) -> f32 {
     return c / (1.0 + c);
 }
 
+/// The least sum of the weights of those corners that show the same surface: the nearest has 4/9.
+const DAA_BLOCK_SHARE: f32 = 0.4;
+
 /// The light of a window between the corners of its block; w of `diffuse` is 0 where it needs its own.
 fn daa_interpolated(place: vec2u, here: DaaCorner, color: vec3f) -> DaaCorner {
     let block = (place.x >> 2u) + ((place.y >> 2u) << 1u);
@@ -293,7 +296,7 @@ fn daa_interpolated(place: vec2u, here: DaaCorner, color: vec3f) -> DaaCorner {
     var mean: DaaCorner;
     var least = 1e30;
     var most = 0.0;
-    var fits = here.diffuse.w > 0.0;
+    var share = 0.0;
     for (var i = 0u; i < 4u; i++) {
         let far = vec2u(i & 1u, i >> 1u) == vec2u(1u);
         let weights = select(1.0 - along, along, far);
@@ -304,7 +307,8 @@ fn daa_interpolated(place: vec2u, here: DaaCorner, color: vec3f) -> DaaCorner {
             let near = off <= daa_frame.surfaces.plane * abs(dot(here.relative_position, daa_frame.camera_forward));
             let same = corner.identity == here.identity && corner.shadow == here.shadow;
             let bent = dot(here.normal, corner.normal) < daa_frame.surfaces.normal_cosine;
-            fits = fits && corner.diffuse.w > 0.0 && same && near && !bent;
+            if !(corner.diffuse.w > 0.0 && same && near && !bent) { continue; }
+            share += weight;
             mean.diffuse += weight * corner.diffuse;
             mean.rest += weight * corner.rest;
             mean.shape += weight * corner.shape;
@@ -314,8 +318,11 @@ fn daa_interpolated(place: vec2u, here: DaaCorner, color: vec3f) -> DaaCorner {
             most = max(most, seen);
         }
     }
-    let shape = mean.shape - here.shape;
-    let tint = mean.tint - here.tint;
+    var fits = here.diffuse.w > 0.0 && share > DAA_BLOCK_SHARE;
+    mean.diffuse /= max(share, 1e-6);
+    mean.rest /= max(share, 1e-6);
+    let shape = mean.shape / max(share, 1e-6) - here.shape;
+    let tint = mean.tint / max(share, 1e-6) - here.tint;
     let apart = dot(shape, shape) + DAA_TINT_WEIGHT * dot(tint, tint);
     fits = fits && apart <= daa_frame.surfaces.block_spread && most - least <= daa_frame.surfaces.block_contrast;
     mean.diffuse.w = select(0.0, 1.0, fits);
