@@ -251,24 +251,30 @@ fn daa_central(ranks: vec2u, samples: u32) -> u32 {
     return nearest;
 }
 
-// Blocks of 4 × 4 windows. Those at the corners are lit, and the light of those between is interpolated where they show
-// the same surface, alike, in light that hardly changes over the block.
+// Blocks of 4 × 4 windows. Those at the corners are lit first. Surfaces between take the light of those corners that show
+// the same, alike, if it hardly changes over the block.
 
-/// What the corners of the tile's four blocks know, four corners to a block.
+/// What is known of a window at a corner of a block, or of a surface that may take its light.
 struct DaaCorner {
-    /// w: 1 if the window is one surface, lit once, that reflects nothing of the scene.
-    diffuse: vec4f,
-    rest: vec4f,
+    light: DaaLight,
     /// The means of the features of its taps.
-    shape: vec4f,
-    tint: vec4f,
+    spread: DaaSpread,
     relative_position: vec3f,
     /// material | object << 16.
     identity: u32,
     normal: vec3f,
     shadow: u32,
+    /// Whether the window is one surface, lit once, that reflects nothing of the scene.
+    lends: bool,
 }
-var<workgroup> daa_corners: array<DaaCorner, 16>;
+
+/// The number of words of a corner.
+const DAA_CORNER_WORDS: u32 = 14u;
+
+/// Whether the windows of blocks may share their light.
+fn daa_has_blocks() -> bool {
+    return DAA_LIGHT_IN_PARTS && daa_frame.surfaces.block_spread > 0.0;
+}
 
 /// The place of a lane in its tile: the corners of blocks go first, so that few lanes wait while they are lit.
 fn daa_block_place(lane: u32) -> vec2u {
@@ -280,77 +286,142 @@ fn daa_block_place(lane: u32) -> vec2u {
     return vec2u(block & 1u, block >> 1u) * 4u + select(vec2u(inner & 3u, inner >> 2u), corner, is_corner);
 }
 
+/// The first word of a corner of the block of a window.
+fn daa_corner_index(pixel: vec2u, i: u32) -> u32 {
+    let block = (pixel / 4u) % 2u;
+    let corner = daa_tile_index(pixel / 8u) * 16u + block.y * 8u + block.x * 4u + i;
+    return daa_label_index(0u, 3u) + corner * DAA_CORNER_WORDS;
+}
+
+fn daa_store_corner(pixel: vec2u, i: u32, c: DaaCorner) {
+    let at = daa_corner_index(pixel, i);
+    for (var channel = 0u; channel < 3u; channel++) {
+        daa_surfaces[at + channel] = bitcast<u32>(c.light.diffuse[channel]);
+        daa_surfaces[at + 3u + channel] = bitcast<u32>(c.light.rest[channel]);
+    }
+    daa_surfaces[at + 6u] = bitcast<u32>(c.light.rest.a);
+    daa_surfaces[at + 7u] = pack2x16float(c.spread.shape.xy);
+    daa_surfaces[at + 8u] = pack2x16float(c.spread.shape.zw);
+    daa_surfaces[at + 9u] = pack2x16float(c.spread.tint.xy);
+    daa_surfaces[at + 10u] = pack2x16float(c.spread.tint.zw);
+    daa_surfaces[at + 11u] = c.identity;
+    daa_surfaces[at + 12u] = pack2x16snorm(daa_octahedral_encode(c.normal));
+    daa_surfaces[at + 13u] = u32(c.lends);
+}
+
+fn daa_stored_corner(pixel: vec2u, i: u32) -> DaaCorner {
+    let at = daa_corner_index(pixel, i);
+    var c: DaaCorner;
+    c.lends = daa_surfaces[at + 13u] != 0u;
+    if !c.lends {
+        return c;
+    }
+    for (var channel = 0u; channel < 3u; channel++) {
+        c.light.diffuse[channel] = bitcast<f32>(daa_surfaces[at + channel]);
+        c.light.rest[channel] = bitcast<f32>(daa_surfaces[at + 3u + channel]);
+    }
+    c.light.rest.a = bitcast<f32>(daa_surfaces[at + 6u]);
+    c.spread.shape = vec4f(unpack2x16float(daa_surfaces[at + 7u]), unpack2x16float(daa_surfaces[at + 8u]));
+    c.spread.tint = vec4f(unpack2x16float(daa_surfaces[at + 9u]), unpack2x16float(daa_surfaces[at + 10u]));
+    c.identity = daa_surfaces[at + 11u];
+    c.normal = daa_octahedral_decode(unpack2x16snorm(daa_surfaces[at + 12u]));
+    let corner = pixel / 4u * 4u + vec2u(i & 1u, i >> 1u) * 3u;
+    let first = corner * DAA_M + daa_order(0u);
+    c.relative_position = daa_relative_position(vec2f(first) + 0.5, daa_depth_at(first));
+    c.shadow = daa_shadow_bits(corner, 0u);
+    return c;
+}
+
+/// What the corners of a block are compared with: taps of a surface.
+fn daa_as_corner(g: DaaGathered, s: DaaSample) -> DaaCorner {
+    var c: DaaCorner;
+    c.lends = g.taps > 0.0 && g.sky_taps == 0.0 && g.any_shadow == g.all_shadow && all(s.reflected == vec3f(0.0));
+    c.spread = DaaSpread(g.from_shape + g.shape / g.taps, g.from_tint + g.tint / g.taps);
+    c.relative_position = s.relative_position;
+    c.identity = s.material | (s.object << 16u);
+    c.normal = s.normal;
+    c.shadow = g.all_shadow;
+    return c;
+}
+
 /// Luminance on the display curve c/(1+c).
 fn daa_seen_luminance(color: vec3f) -> f32 {
     let c = daa_luminance(daa_exposed(max(color, vec3f(0.0))));
     return c / (1.0 + c);
 }
 
-/// The least sum of the weights of those corners that show the same surface: the nearest has 4/9.
-const DAA_BLOCK_SHARE: f32 = 0.4;
+/// The light that a surface of a window takes from the corners of its block, and whether it may.
+struct DaaBetween {
+    light: DaaLight,
+    fits: bool,
+}
 
-/// The light of a window between the corners of its block; w of `diffuse` is 0 where it needs its own.
-fn daa_interpolated(place: vec2u, here: DaaCorner, color: vec3f) -> DaaCorner {
-    let block = (place.x >> 2u) + ((place.y >> 2u) << 1u);
-    let along = vec2f(place & vec2u(3u)) / 3.0;
-    var mean: DaaCorner;
+fn daa_between(pixel: vec2u, here: DaaCorner, base_color: vec3f) -> DaaBetween {
+    if !here.lends {
+        return DaaBetween();
+    }
+    let along = vec2f(pixel % 4u) / 3.0;
+    var light: DaaLight;
+    var shape = vec4f(0.0);
+    var tint = vec4f(0.0);
+    var share = 0.0;
     var least = 1e30;
     var most = 0.0;
-    var share = 0.0;
     for (var i = 0u; i < 4u; i++) {
-        let far = vec2u(i & 1u, i >> 1u) == vec2u(1u);
-        let weights = select(1.0 - along, along, far);
+        let weights = select(1.0 - along, along, vec2u(i & 1u, i >> 1u) == vec2u(1u));
         let weight = weights.x * weights.y;
-        if weight > 0.0 {
-            let corner = daa_corners[block * 4u + i];
-            let off = abs(dot(here.normal, corner.relative_position - here.relative_position));
-            let near = off <= daa_frame.surfaces.plane * abs(dot(here.relative_position, daa_frame.camera_forward));
-            let same = corner.identity == here.identity && corner.shadow == here.shadow;
-            let bent = dot(here.normal, corner.normal) < daa_frame.surfaces.normal_cosine;
-            if !(corner.diffuse.w > 0.0 && same && near && !bent) { continue; }
+        if weight == 0.0 {
+            continue;
+        }
+        let corner = daa_stored_corner(pixel, i);
+        let off = abs(dot(here.normal, corner.relative_position - here.relative_position));
+        let near = off <= daa_frame.surfaces.plane * abs(dot(here.relative_position, daa_frame.camera_forward));
+        let even = dot(here.normal, corner.normal) >= daa_frame.surfaces.normal_cosine;
+        if corner.lends && corner.identity == here.identity && corner.shadow == here.shadow && near && even {
             share += weight;
-            mean.diffuse += weight * corner.diffuse;
-            mean.rest += weight * corner.rest;
-            mean.shape += weight * corner.shape;
-            mean.tint += weight * corner.tint;
-            let seen = daa_seen_luminance(corner.diffuse.rgb * color + corner.rest.rgb);
+            light.diffuse += weight * corner.light.diffuse;
+            light.rest += weight * corner.light.rest;
+            shape += weight * corner.spread.shape;
+            tint += weight * corner.spread.tint;
+            let seen = daa_seen_luminance(corner.light.diffuse * base_color + corner.light.rest.rgb);
             least = min(least, seen);
             most = max(most, seen);
         }
     }
-    var fits = here.diffuse.w > 0.0 && share > DAA_BLOCK_SHARE;
-    mean.diffuse /= max(share, 1e-6);
-    mean.rest /= max(share, 1e-6);
-    let shape = mean.shape / max(share, 1e-6) - here.shape;
-    let tint = mean.tint / max(share, 1e-6) - here.tint;
+    if share == 0.0 || most - least > daa_frame.surfaces.block_contrast {
+        return DaaBetween();
+    }
+    shape = shape / share - here.spread.shape;
+    tint = tint / share - here.spread.tint;
     let apart = dot(shape, shape) + DAA_TINT_WEIGHT * dot(tint, tint);
-    fits = fits && apart <= daa_frame.surfaces.block_spread && most - least <= daa_frame.surfaces.block_contrast;
-    mean.diffuse.w = select(0.0, 1.0, fits);
-    return mean;
+    let fits = apart <= daa_frame.surfaces.block_spread;
+    return DaaBetween(DaaLight(light.diffuse / share, light.rest / share), fits);
 }
 
 /// Lights windows of one surface whose first taps are alike. The others are left to the list.
 @compute @workgroup_size(64)
 fn daa_light_one(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocation_index) lane: u32) {
-    let blocks = DAA_LIGHT_IN_PARTS && daa_frame.surfaces.block_spread > 0.0;
+    let blocks = daa_has_blocks();
     let place = select(vec2u(lane & 7u, lane >> 3u), daa_block_place(lane), blocks);
     let pixel = tile.xy * 8u + place;
     let slot = daa_slot(pixel);
     let word = daa_surfaces[slot];
     let n = DAA_M * DAA_M;
-    var taps = min(min(daa_frame.surfaces.first_taps, daa_frame.surfaces.taps), n);
-    var offset = vec2f(0.0);
-    if DAA_SPLIT_HOOK {
-        let pair = daa_frame.centres[(taps - 1u) >> 1u];
-        offset = select(pair.xy, pair.zw, (taps & 1u) == 0u);
-    } else {
-        taps = 1u;
-    }
-    let footprint = daa_tap_footprint(n, taps);
+    let all = select(1u, min(daa_frame.surfaces.taps, n), DAA_SPLIT_HOOK);
+    var taps = min(daa_frame.surfaces.first_taps, all);
+    var read = 0u;
     var g: DaaGathered;
     var s: DaaSample;
     var left = daa_surface_count(word) == 1u;
-    if left {
+    // The first taps, and all at the corners of blocks, if those are not alike.
+    for (var more = left; more; ) {
+        var offset = vec2f(0.0);
+        if DAA_SPLIT_HOOK {
+            let pair = daa_frame.centres[(taps - 1u) >> 1u];
+            offset = select(pair.xy, pair.zw, (taps & 1u) == 0u);
+        }
+        let footprint = daa_tap_footprint(n, taps);
+        g = DaaGathered();
         for (var rank = 0u; rank < taps; rank++) {
             let tap = daa_fetch(pixel, select(daa_central(daa_all_ranks(), n), rank, DAA_SPLIT_HOOK), footprint, offset);
             if tap.depth == 0.0 {
@@ -366,51 +437,48 @@ fn daa_light_one(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocation_i
                 }
             }
         }
-    }
-    if DAA_SPLIT_HOOK && g.taps > 0.0 {
-        let deviations = daa_deviations(g) / g.taps;
-        let coarse = taps < min(daa_frame.surfaces.taps, n) && daa_coarse(deviations, taps);
-        let apart = daa_light_deviation(deviations) > daa_frame.surfaces.spread && daa_frame.surfaces.most_groups > 1u;
-        left = left && !(coarse || apart || daa_mixed_shadow(pixel, daa_all_ranks()));
-    }
-    var here: DaaCorner;
-    if blocks && left && g.taps > 0.0 && g.sky_taps == 0.0 {
-        here.diffuse.w = select(1.0, 0.0, any(s.reflected != vec3f(0.0)));
-        here.shape = g.from_shape + g.shape / g.taps;
-        here.tint = g.from_tint + g.tint / g.taps;
-        here.relative_position = s.relative_position;
-        here.normal = s.normal;
-        here.identity = s.material | (s.object << 16u);
-        here.shadow = g.all_shadow;
+        read += taps;
+        more = false;
+        if DAA_SPLIT_HOOK && g.taps > 0.0 {
+            let deviations = daa_deviations(g) / g.taps;
+            let coarse = taps < all && daa_coarse(deviations, taps);
+            let apart = daa_light_deviation(deviations) > daa_frame.surfaces.spread && daa_frame.surfaces.most_groups > 1u;
+            left = !(apart || daa_mixed_shadow(pixel, daa_all_ranks()));
+            more = left && coarse && blocks && lane < 16u;
+            left = left && (more || !coarse);
+            taps = select(taps, all, more);
+        }
     }
     // First the corners, then what is left between.
     for (var turn = 0u; turn < 2u; turn++) {
-        if left && turn == 1u {
-            let base_color = g.material.base_color.rgb / g.taps;
-            let between = daa_interpolated(place, here, base_color);
-            if between.diffuse.w > 0.0 {
-                let color = vec4f(between.diffuse.rgb * base_color + between.rest.rgb, between.rest.a);
-                textureStore(daa_color, pixel, daa_clean(color).color);
+        if turn == 1u && left && g.taps > 0.0 {
+            let base_color = g.material.base_color / g.taps;
+            let between = daa_between(pixel, daa_as_corner(g, s), base_color.rgb);
+            if between.fits {
+                var m: DaaMaterial;
+                m.base_color = base_color;
+                textureStore(daa_color, pixel, daa_clean(daa_radiance(between.light, m)).color);
                 daa_surfaces[slot] = daa_surface_word_lit(word, 0u, taps);
                 left = false;
             }
         }
+        var corner: DaaCorner;
         if left && (turn == 1u || lane < 16u || !blocks) {
             let lit = daa_light(g, s, daa_all_ranks(), 1.0);
             let mean = daa_covered(DaaMean(), lit.color, 1.0);
             textureStore(daa_color, pixel, daa_mean_finish(mean));
             daa_surfaces[slot] = daa_surface_word_lit(word, 1u, taps);
-            here.diffuse = vec4f(lit.light.diffuse, here.diffuse.w);
-            here.rest = lit.light.rest;
+            corner = daa_as_corner(g, s);
+            corner.light = lit.light;
             left = false;
         }
         if !blocks {
             break;
         }
         if turn == 0u && lane < 16u {
-            daa_corners[lane] = here;
+            daa_store_corner(pixel, lane & 3u, corner);
         }
-        workgroupBarrier();
+        storageBarrier();
     }
 }
 
@@ -726,6 +794,7 @@ fn daa_light_listed(@builtin(workgroup_id) group: vec3u, @builtin(local_invocati
     let surfaces = daa_surface_count(word);
     var mean: DaaMean;
     var taps = 0u;
+    var lights = 0u;
     for (var label = 0u; label < surfaces; label++) {
         let surface = daa_tapped(daa_label_ranks(slot, label, surfaces));
         let all = daa_all_taps(surface);
@@ -743,10 +812,20 @@ fn daa_light_listed(@builtin(workgroup_id) group: vec3u, @builtin(local_invocati
             return;
         }
         let coverage = surface.share * f32(surface.taps);
+        if daa_has_blocks() && read.g.taps > 0.0 {
+            var m: DaaMaterial;
+            m.base_color = read.g.material.base_color / read.g.taps;
+            let between = daa_between(pixel, daa_as_corner(read.g, read.s), m.base_color.rgb);
+            if between.fits {
+                mean = daa_covered(mean, daa_clean(daa_radiance(between.light, m)).color, coverage);
+                continue;
+            }
+        }
+        lights += 1u;
         mean = daa_covered(mean, daa_light(read.g, read.s, surface.ranks, coverage).color, coverage);
     }
     textureStore(daa_color, pixel, daa_mean_finish(mean));
-    daa_surfaces[slot] = daa_surface_word_lit(word, surfaces, taps);
+    daa_surfaces[slot] = daa_surface_word_lit(word, lights, taps);
 }
 
 /// Lights the windows with a surface that is cut into groups.

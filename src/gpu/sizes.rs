@@ -89,6 +89,9 @@ impl Results {
 /// The bytes of `DaaWindowList` of light.wgsl before its slots.
 pub(crate) const SURFACE_LIST_HEAD_BYTES: u64 = 16;
 
+/// The bytes of what the corners of a tile's four blocks know: `DAA_CORNER_WORDS` of light.wgsl for each of 16.
+const CORNERS_BYTES: u64 = 16 * 14 * 4;
+
 /// The number of words for the surfaces of a window: masks.wgsl. A set of ranks has a word, or two.
 fn surface_words(m: u32) -> u64 {
     1 + 3 * if m > 5 { 2 } else { 1 }
@@ -197,7 +200,7 @@ impl Shape {
             }
             Part::LatticePoints => lattices(0),
             Part::LatticeColors => lattices(1),
-            Part::SurfaceMasks => buffer(plan_bytes(size) * surface_words(m), none),
+            Part::SurfaceMasks => buffer(plan_bytes(size) * surface_words(m) + tiles * CORNERS_BYTES, none),
             Part::SurfaceList | Part::SurfaceCutList => {
                 buffer(SURFACE_LIST_HEAD_BYTES + plan_bytes(size), indirect | cleared)
             }
