@@ -178,6 +178,9 @@ fn daa_metric_of_attribute(by: u32) -> u32 {
 @fragment
 fn daa_view_lit(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let word = daa_surface_masks[daa_slot(daa_target_pixel(position))];
+    if daa_surface_lights(word) == 0u {
+        return vec4f(0.0, 0.0, 0.35, 1.0);
+    }
     return daa_view_of_plan(daa_plan_word(daa_surface_lights(word), 0u, 0u, 0u));
 }
 

@@ -27,6 +27,7 @@ struct DaaStatistics {
     points: array<atomic<u32>, 5>,
     /// Number of planned samples for whose ray results there was no room.
     without_rays: atomic<u32>,
-    /// Number of surfaces of all windows, of taps, and of windows with more surfaces than are told apart.
-    surfaces: array<atomic<u32>, 3>,
+    /// Number of surfaces of all windows, of taps, and of windows with more surfaces than are told apart,
+    /// and of surfaces that take their light from the corners of a block.
+    surfaces: array<atomic<u32>, 4>,
 }

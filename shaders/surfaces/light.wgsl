@@ -161,10 +161,11 @@ fn daa_mean_reflected(ranks: vec2u, s: DaaSample) -> vec3f {
     return select(s.reflected, sum / max(own, 1.0), own > 0.0);
 }
 
-/// The colour of taps that share a light, and that light.
+/// The colour of taps that share a light, and that light. `good`: it is finite and not negative.
 struct DaaLit {
     color: vec4f,
     light: DaaLight,
+    good: bool,
 }
 
 /// Lights the taps once. `s` is one of those that show a surface, `ranks` are the samples that they stand for, and
@@ -200,7 +201,7 @@ fn daa_light(g: DaaGathered, s: DaaSample, ranks: vec2u, coverage: f32) -> DaaLi
     } else if clean.what == DAA_NEGATIVE {
         atomicAdd(&daa_statistics.negative, 1u);
     }
-    return DaaLit(clean.color, light);
+    return DaaLit(clean.color, light, clean.what == DAA_GOOD);
 }
 
 /// Adds the colour of a share of the window.
@@ -350,16 +351,19 @@ fn daa_seen_luminance(color: vec3f) -> f32 {
     return c / (1.0 + c);
 }
 
-/// The light that a surface of a window takes from the corners of its block, and whether it may.
+/// The colour of a surface of a window by light from the corners of its block, and whether it may be lit so.
 struct DaaBetween {
-    light: DaaLight,
+    color: vec4f,
     fits: bool,
 }
 
-fn daa_between(pixel: vec2u, here: DaaCorner, base_color: vec3f) -> DaaBetween {
-    if !here.lends {
+fn daa_between(pixel: vec2u, g: DaaGathered, s: DaaSample) -> DaaBetween {
+    let here = daa_as_corner(g, s);
+    if !daa_has_blocks() || !here.lends {
         return DaaBetween();
     }
+    var m: DaaMaterial;
+    m.base_color = g.material.base_color / g.taps;
     let along = vec2f(pixel % 4u) / 3.0;
     var light: DaaLight;
     var shape = vec4f(0.0);
@@ -383,7 +387,7 @@ fn daa_between(pixel: vec2u, here: DaaCorner, base_color: vec3f) -> DaaBetween {
             light.rest += weight * corner.light.rest;
             shape += weight * corner.spread.shape;
             tint += weight * corner.spread.tint;
-            let seen = daa_seen_luminance(corner.light.diffuse * base_color + corner.light.rest.rgb);
+            let seen = daa_seen_luminance(daa_radiance(corner.light, m).rgb);
             least = min(least, seen);
             most = max(most, seen);
         }
@@ -394,12 +398,18 @@ fn daa_between(pixel: vec2u, here: DaaCorner, base_color: vec3f) -> DaaBetween {
     shape = shape / share - here.spread.shape;
     tint = tint / share - here.spread.tint;
     let apart = dot(shape, shape) + DAA_TINT_WEIGHT * dot(tint, tint);
-    let fits = apart <= daa_frame.surfaces.block_spread;
-    return DaaBetween(DaaLight(light.diffuse / share, light.rest / share), fits);
+    if apart > daa_frame.surfaces.block_spread {
+        return DaaBetween();
+    }
+    let clean = daa_clean(daa_radiance(DaaLight(light.diffuse / share, light.rest / share), m));
+    if clean.what == DAA_NOT_FINITE {
+        atomicAdd(&daa_statistics.not_finite, 1u);
+    }
+    return DaaBetween(clean.color, true);
 }
 
 /// Lights windows of one surface whose first taps are alike. The others are left to the list.
-@compute @workgroup_size(64)
+@compute @workgroup_size(8, 8)
 fn daa_light_one(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocation_index) lane: u32) {
     let blocks = daa_has_blocks();
     let place = select(vec2u(lane & 7u, lane >> 3u), daa_block_place(lane), blocks);
@@ -449,16 +459,16 @@ fn daa_light_one(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocation_i
             taps = select(taps, all, more);
         }
     }
+    if read > 0u && !left {
+        daa_surfaces[slot] = word | (read << 16u);
+    }
     // First the corners, then what is left between.
     for (var turn = 0u; turn < 2u; turn++) {
-        if turn == 1u && left && g.taps > 0.0 {
-            let base_color = g.material.base_color / g.taps;
-            let between = daa_between(pixel, daa_as_corner(g, s), base_color.rgb);
+        if turn == 1u && left {
+            let between = daa_between(pixel, g, s);
             if between.fits {
-                var m: DaaMaterial;
-                m.base_color = base_color;
-                textureStore(daa_color, pixel, daa_clean(daa_radiance(between.light, m)).color);
-                daa_surfaces[slot] = daa_surface_word_lit(word, 0u, taps);
+                textureStore(daa_color, pixel, between.color);
+                daa_surfaces[slot] = daa_surface_word_lit(word, 0u, read, 1u);
                 left = false;
             }
         }
@@ -467,9 +477,10 @@ fn daa_light_one(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocation_i
             let lit = daa_light(g, s, daa_all_ranks(), 1.0);
             let mean = daa_covered(DaaMean(), lit.color, 1.0);
             textureStore(daa_color, pixel, daa_mean_finish(mean));
-            daa_surfaces[slot] = daa_surface_word_lit(word, 1u, taps);
+            daa_surfaces[slot] = daa_surface_word_lit(word, 1u, read, 0u);
             corner = daa_as_corner(g, s);
             corner.light = lit.light;
+            corner.lends = corner.lends && lit.good;
             left = false;
         }
         if !blocks {
@@ -793,8 +804,8 @@ fn daa_light_listed(@builtin(workgroup_id) group: vec3u, @builtin(local_invocati
     let word = daa_surfaces[slot];
     let surfaces = daa_surface_count(word);
     var mean: DaaMean;
-    var taps = 0u;
-    var lights = 0u;
+    var taps = daa_surface_taps(word);
+    var interpolated = 0u;
     for (var label = 0u; label < surfaces; label++) {
         let surface = daa_tapped(daa_label_ranks(slot, label, surfaces));
         let all = daa_all_taps(surface);
@@ -812,20 +823,16 @@ fn daa_light_listed(@builtin(workgroup_id) group: vec3u, @builtin(local_invocati
             return;
         }
         let coverage = surface.share * f32(surface.taps);
-        if daa_has_blocks() && read.g.taps > 0.0 {
-            var m: DaaMaterial;
-            m.base_color = read.g.material.base_color / read.g.taps;
-            let between = daa_between(pixel, daa_as_corner(read.g, read.s), m.base_color.rgb);
-            if between.fits {
-                mean = daa_covered(mean, daa_clean(daa_radiance(between.light, m)).color, coverage);
-                continue;
-            }
+        let between = daa_between(pixel, read.g, read.s);
+        if between.fits {
+            mean = daa_covered(mean, between.color, coverage);
+            interpolated += 1u;
+            continue;
         }
-        lights += 1u;
         mean = daa_covered(mean, daa_light(read.g, read.s, surface.ranks, coverage).color, coverage);
     }
     textureStore(daa_color, pixel, daa_mean_finish(mean));
-    daa_surfaces[slot] = daa_surface_word_lit(word, lights, taps);
+    daa_surfaces[slot] = daa_surface_word_lit(word, surfaces - interpolated, taps, interpolated);
 }
 
 /// Lights the windows with a surface that is cut into groups.
@@ -841,17 +848,18 @@ fn daa_light_cut(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_
     let surfaces = daa_surface_count(word);
     var mean: DaaMean;
     var lights = 0u;
+    var interpolated = 0u;
     // The surface, and its groups that are still to be lit. There is one call of each of the host's functions, as
     // compilers copy them into every place.
     var label = 0u;
     var surface = daa_tapped(daa_all_ranks());
     var groups: DaaGroups;
     var next = 0u;
-    var taps = 0u;
+    var taps = daa_surface_taps(word);
     if surfaces == 1u {
         groups = daa_stored_groups(slot, daa_all_taps(surface));
         label = 1u;
-        taps = surface.taps;
+        taps += surface.taps;
     }
     loop {
         let grouped = next < groups.count;
@@ -877,12 +885,20 @@ fn daa_light_cut(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_
             next = groups.count;
         }
         let coverage = surface.share * f32(countOneBits(chosen));
+        if !grouped {
+            let between = daa_between(pixel, read.g, read.s);
+            if between.fits {
+                mean = daa_covered(mean, between.color, coverage);
+                interpolated += 1u;
+                continue;
+            }
+        }
         let ranks = select(surface.ranks, read.ranks, grouped);
         mean = daa_covered(mean, daa_light(read.g, read.s, ranks, coverage).color, coverage);
         lights += 1u;
     }
     textureStore(daa_color, pixel, daa_mean_finish(mean));
-    daa_surfaces[slot] = daa_surface_word_lit(word, lights, taps);
+    daa_surfaces[slot] = daa_surface_word_lit(word, lights, taps, interpolated);
 }
 
 /// Counts what was lit. A lane counts a whole tile.
@@ -894,10 +910,12 @@ fn daa_light_count(@builtin(global_invocation_id) id: vec3u, @builtin(local_invo
         var taps = 0u;
         var surfaces = 0u;
         var merged = 0u;
+        var interpolated = 0u;
         var ones = 0u;
         for (var i = 0u; i < 64u; i++) {
             let word = daa_surfaces[id.x * 64u + i];
             let lights = daa_surface_lights(word);
+            interpolated += daa_surface_interpolated(word);
             taps += daa_surface_taps(word);
             surfaces += daa_surface_count(word);
             merged += u32(daa_surface_merged(word));
@@ -912,6 +930,9 @@ fn daa_light_count(@builtin(global_invocation_id) id: vec3u, @builtin(local_invo
         atomicAdd(&daa_statistics.surfaces[1], taps);
         if merged > 0u {
             atomicAdd(&daa_statistics.surfaces[2], merged);
+        }
+        if interpolated > 0u {
+            atomicAdd(&daa_statistics.surfaces[3], interpolated);
         }
     }
     workgroupBarrier();

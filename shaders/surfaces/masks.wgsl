@@ -4,9 +4,11 @@
 // - Bits 0 to 2: the number of surfaces, 0 where the window is not shown.
 // - Bit 3: whether samples were merged into the last surface although they do not belong to it.
 // - Bit 4: whether the window is lit, or not shown.
-// - Bits 8 to 14: the number of its own lights, 0 if its light is interpolated.
-// - Bits 16 to 31: the number of taps.
-// Then, for the samples of each window, three bits of the surface's label: each of the three is a set of ranks.
+// - Bits 5 to 7: the number of surfaces that take their light from the corners of a block.
+// - Bits 8 to 14: the number of lights.
+// - Bits 16 to 31: the number of taps so far.
+// Then, for the samples of each window, three bits of the surface's label: each of the three is a set of ranks. Then the
+// corners of blocks, as light.wgsl has them.
 
 fn daa_surface_word(surfaces: u32, merged: bool) -> u32 {
     return surfaces | select(0u, 8u, merged);
@@ -32,8 +34,12 @@ fn daa_surface_taps(word: u32) -> u32 {
     return word >> 16u;
 }
 
-fn daa_surface_word_lit(word: u32, lights: u32, taps: u32) -> u32 {
-    return (word & 15u) | 16u | (lights << 8u) | (taps << 16u);
+fn daa_surface_interpolated(word: u32) -> u32 {
+    return (word >> 5u) & 7u;
+}
+
+fn daa_surface_word_lit(word: u32, lights: u32, taps: u32, interpolated: u32) -> u32 {
+    return (word & 15u) | 16u | (interpolated << 5u) | (lights << 8u) | (taps << 16u);
 }
 
 /// The index of the first word of a set of ranks of a slot.

@@ -167,6 +167,11 @@ impl SurfaceWord {
         self.0 & 8 != 0
     }
 
+    /// The number of surfaces that were not lit but took their light from the corners of a block.
+    pub fn interpolated(self) -> u32 {
+        self.0 >> 5 & 7
+    }
+
     /// The number of lights: the host's `light` was called so often for the window.
     pub fn lights(self) -> u32 {
         self.0 >> 8 & 127

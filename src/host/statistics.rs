@@ -125,6 +125,9 @@ counts! {
         /// The number of windows with more surfaces than are told apart
         /// ([`Surfaces::surfaces`](crate::Surfaces::surfaces)).
         merged,
+        /// The number of surfaces that were not lit but took their light from the corners of a block
+        /// ([`Surfaces::block_spread`](crate::Surfaces::block_spread)).
+        interpolated,
     }
 }
 
@@ -150,7 +153,7 @@ pub struct Statistics {
     /// The number of shaded samples over w · h.
     pub mean_k: f64,
     /// The number of windows for each k: `histogram_k[0]` for k = 1, up to k = n. Interpolated windows of
-    /// [`Technique::MultiResolution`] are not counted.
+    /// [`Technique::MultiResolution`], and windows without a light of their own, are not counted.
     pub histogram_k: Vec<u32>,
     /// The number of windows for each reason for their k.
     pub decided: DecidedCounts,

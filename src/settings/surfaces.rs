@@ -76,13 +76,13 @@ impl Preset {
     /// The settings of [`Technique::Surfaces`](crate::Technique::Surfaces) of this preset.
     pub fn surfaces(self) -> Surfaces {
         let balanced = Surfaces {
-            spread: 0.015,
+            spread: 0.01,
             groups: 8,
             taps: 16,
             first_taps: 4,
-            tap_spread: 0.01,
-            block_spread: 0.0,
-            block_contrast: 0.05,
+            tap_spread: 0.005,
+            block_spread: 0.001,
+            block_contrast: 0.03,
             surfaces: 6,
             normal_cosine: 0.95,
             plane: 0.01,
@@ -90,9 +90,9 @@ impl Preset {
             footprint: 0.5,
         };
         match self {
-            Self::Fast => Surfaces { spread: 0.1, tap_spread: 0.03, ..balanced },
+            Self::Fast => Surfaces { spread: 0.025, block_spread: 0.006, ..balanced },
             Self::Balanced => balanced,
-            Self::Quality => Surfaces { spread: 0.005, tap_spread: 0.001, ..balanced },
+            Self::Quality => Surfaces { spread: 0.004, tap_spread: 0.001, block_contrast: 0.02, ..balanced },
         }
     }
 }

@@ -8,6 +8,8 @@ use deferred_aa::{
 use insta::assert_snapshot;
 
 const SHADE: &str = "fn shade(s: DaaSample) -> vec4f { return vec4f(s.normal, 1.0); }";
+const LIGHT_IN_PARTS: &str =
+    "fn light(f: DaaSurface, m: DaaMaterial) -> DaaLight { return DaaLight(vec3f(1.0), m.base_color); }";
 const LIGHT: &str = "fn light(f: DaaSurface, m: DaaMaterial) -> vec4f { return m.base_color; }";
 const MARKED_SHADE: &str = "fn §shade(s: DaaSample) -> vec4f { return vec4f(s.normal, 1.0); }";
 const MARKED_LIGHT: &str = "fn §light(f: DaaSurface, m: DaaMaterial) -> vec4f { return m.base_color; }";
@@ -56,6 +58,7 @@ fn sound_sources_pass() {
         for source in [
             SHADE.to_owned(),
             format!("{LIGHT}\n{MATERIAL}"),
+            format!("{LIGHT_IN_PARTS}\n{MATERIAL}"),
             format!("{SHADE}\nfn sky(s: DaaSample) -> vec4f {{ return vec4f(-s.view, 1.0); }}"),
             format!("@group(2) @binding(9) var<uniform> tint: vec4f;\n{SHADE}"),
             "alias Radiance = vec4<f32>;\nfn shade(s: DaaSample) -> Radiance { return vec4f(daa_luminance(s.normal)); }".to_owned(),
@@ -82,7 +85,7 @@ fn names() {
     assert_snapshot!(in_body("return vec4f(§albedo, 1.0);"), @"game/toon.wgsl:2:18: no definition in scope for identifier: `albedo`");
     assert_snapshot!(in_body("return §toon_ramp(s.normal);"), @"game/toon.wgsl:2:12: no definition in scope for identifier: `toon_ramp`");
     assert_snapshot!(in_body("return vec4f(s.§colour, 1.0);"), @"game/toon.wgsl:2:20: invalid field accessor `colour`");
-    assert_snapshot!(beside_a_hook("fn helper(x: §DaaLight) {}"), @"game/toon.wgsl:1:14: no definition in scope for identifier: `DaaLight`");
+    assert_snapshot!(beside_a_hook("fn helper(x: §DaaLamp) {}"), @"game/toon.wgsl:1:14: no definition in scope for identifier: `DaaLamp`");
     assert_snapshot!(beside_a_hook("fn twice() {}\nfn §twice() {}"), @"game/toon.wgsl:2:4: redefinition of `twice`");
 }
 

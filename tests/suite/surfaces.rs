@@ -3,8 +3,9 @@
 use crate::harness::{Output, Rig, SHOW_USER, Sample, noise, rgba8, stored_normal};
 use deferred_aa::glam::{DVec2, DVec3, Vec2, Vec3};
 use deferred_aa::reference::sample::relative_position;
+use deferred_aa::reference::surfaces::blocks::{Block, Corner};
 use deferred_aa::reference::surfaces::cover::{Covered, Seen, cover};
-use deferred_aa::reference::surfaces::light::{Group, Lookup, Material, Tap, Window};
+use deferred_aa::reference::surfaces::light::{Group, Light, Lookup, Material, Tap, Window};
 use deferred_aa::{Preset, Settings, SurfaceWord, Surfaces, Technique, Weight, window};
 use deferred_aa_demo::gpu::{self, Gpu};
 use deferred_aa_demo::host::{Host, Options};
@@ -33,6 +34,15 @@ fn light(f: DaaSurface, m: DaaMaterial) -> vec4f {
     return vec4f(m.base_color.rgb * lambert + m.emissive + vec3f(rim, m.occlusion * 0.1, f.coverage * 0.01), 1.0);
 }
 fn sky(s: DaaSample) -> vec4f { return vec4f(0.2, 0.3, s.view.y * s.view.y, 1.0); }";
+
+/// The same, with light in two parts.
+fn in_parts() -> String {
+    let whole = "return vec4f(m.base_color.rgb * lambert + ";
+    assert!(HOOK.contains(whole));
+    HOOK.replace("DaaMaterial) -> vec4f", "DaaMaterial) -> DaaLight")
+        .replace(whole, "return DaaLight(vec3f(lambert), vec4f(")
+        .replace("* 0.01), 1.0);", "* 0.01), 1.0));")
+}
 
 /// Planes, folds and steps of several objects, thin ones among them, with even and noisy materials, and sky.
 fn busy(x: u32, y: u32) -> Sample {
@@ -134,30 +144,93 @@ impl Scene {
             emissive: [uv.x * 0.1, uv.y * 0.1, lookup.footprint / 128.0 * 0.8],
             occlusion: g,
         };
-        Tap::Surface { position, normal, shadow: 0, material }
+        Tap::Surface { position, normal, identity: s.material | s.object << 16, shadow: 0, material }
     }
 }
 
 /// `light` of the hook.
-fn light(g: &Group) -> [f64; 4] {
+fn light(g: &Group) -> Light {
     let m = &g.material;
     let lambert = m.normal.dot(DVec3::new(0.48, 0.6, 0.64)).max(0.0);
     let rim = m.roughness * m.metallic * (1.0 - g.normal.dot(-g.position.normalize()));
     let more = [rim, m.occlusion * 0.1, g.coverage * 0.01];
-    let c: [f64; 3] = std::array::from_fn(|i| m.base_color[i] * lambert + m.emissive[i] + more[i]);
-    [c[0], c[1], c[2], 1.0]
+    let [r, g, b] = std::array::from_fn(|i| m.emissive[i] + more[i]);
+    Light { diffuse: [lambert; 3], rest: [r, g, b, 1.0] }
 }
 
-/// Holds a frame against the twin; returns how many windows were too near a threshold to be compared.
-fn assert_twin_agrees(rig: &Rig, sample: fn(u32, u32) -> Sample, settings: &Settings, output: &Output) -> usize {
-    let scene = Scene::of(rig, sample);
+/// The windows of a frame as the twin has them.
+struct Windows<'a> {
+    scene: Scene,
+    settings: &'a Settings,
+    /// Whether blocks share their light.
+    blocks: bool,
+}
+
+impl Windows<'_> {
+    fn with<R>(
+        &self,
+        pixel: [u32; 2],
+        covered: &Covered,
+        corners: &[Option<Corner>; 4],
+        then: impl FnOnce(Window<'_>) -> R,
+    ) -> R {
+        let block = Block { place: pixel.map(|p| p % 4), corners, forward: -DVec3::Z };
+        then(Window {
+            covered,
+            order: &self.scene.order,
+            settings: &self.settings.surfaces,
+            weight: self.settings.weight,
+            exposure: 1.0,
+            tap: &|lookup| self.scene.tap(pixel, lookup),
+            light: &light,
+            block: self.blocks.then_some(block),
+        })
+    }
+
+    /// What the corners of a window's block lend, and the least margin of the decisions on them.
+    fn corners(&self, pixel: [u32; 2]) -> ([Option<Corner>; 4], f64) {
+        let mut least = f64::INFINITY;
+        let corners = std::array::from_fn(|i| {
+            let [x, y] = [pixel[0] / 4 * 4 + i as u32 % 2 * 3, pixel[1] / 4 * 4 + i as u32 / 2 * 3];
+            if !self.blocks || x >= WIDTH || y >= HEIGHT {
+                return None;
+            }
+            let covered = self.scene.covered([x, y], &self.settings.surfaces);
+            let (corner, margin) = self.with([x, y], &covered, &[None; 4], |window| window.corner());
+            least = least.min(margin).min(covered.margin * 1e5);
+            corner
+        });
+        (corners, least)
+    }
+}
+
+/// How a frame compares with the twin.
+#[derive(Debug, Default)]
+struct Compared {
+    /// Windows too near a threshold to be compared.
+    left_out: usize,
+    /// Windows without a light of their own.
+    interpolated: usize,
+}
+
+/// Holds a frame against the twin. `blocks`: the host's light is in parts.
+fn assert_twin_agrees(
+    rig: &Rig,
+    sample: fn(u32, u32) -> Sample,
+    settings: &Settings,
+    output: &Output,
+    blocks: bool,
+) -> Compared {
+    let windows =
+        Windows { scene: Scene::of(rig, sample), settings, blocks: blocks && settings.surfaces.block_spread > 0.0 };
     let m = rig.aa.m();
-    let mut left_out = 0;
+    let mut compared = Compared::default();
     for (i, (word, labels)) in words(rig).into_iter().enumerate() {
         let pixel = [i as u32 % WIDTH, i as u32 / WIDTH];
-        let covered = scene.covered(pixel, &settings.surfaces);
-        if covered.margin < 1e-5 {
-            left_out += 1;
+        let covered = windows.scene.covered(pixel, &settings.surfaces);
+        let (corners, corners_margin) = windows.corners(pixel);
+        if covered.margin < 1e-5 || corners_margin < 1.0 {
+            compared.left_out += 1;
             continue;
         }
         let of = format!("m = {m}, window {pixel:?}: {covered:?}");
@@ -165,25 +238,18 @@ fn assert_twin_agrees(rig: &Rig, sample: fn(u32, u32) -> Sample, settings: &Sett
         if covered.surfaces > 1 {
             assert_eq!(labels, covered.labels, "{of}");
         }
-        let lit = Window {
-            covered: &covered,
-            order: &scene.order,
-            settings: &settings.surfaces,
-            weight: settings.weight,
-            exposure: 1.0,
-            tap: &|lookup| scene.tap(pixel, lookup),
-            light: &light,
-        }
-        .lit();
+        let lit = windows.with(pixel, &covered, &corners, |window| window.lit());
         if lit.margin < 1.0 {
-            left_out += 1;
+            compared.left_out += 1;
             continue;
         }
-        assert_eq!((word.lights(), word.taps()), (lit.lights, lit.taps), "{of} {lit:?}");
+        let counts = (word.lights(), word.interpolated(), word.taps());
+        assert_eq!(counts, (lit.lights, lit.interpolated, lit.taps), "{of} {lit:?}");
         let apart = (0..4).map(|c| (f64::from(output.image[i][c]) - lit.color[c]).abs()).fold(0.0, f64::max);
         assert!(apart <= 2e-5, "{of}: {:?}, twin {lit:?}", output.image[i]);
+        compared.interpolated += usize::from(lit.lights == 0);
     }
-    left_out
+    compared
 }
 
 fn variants() -> Vec<Surfaces> {
@@ -195,7 +261,7 @@ fn variants() -> Vec<Surfaces> {
         Surfaces { groups: 1, ..base },
         Surfaces { spread: 5e-3, tap_spread: 1e-3, widening: 0.0, ..base },
         Surfaces { surfaces: 2, first_taps: 1, footprint: 2.0, groups: 3, ..base },
-        Surfaces { taps: 5, first_taps: 3, normal_cosine: 0.999, plane: 1e-4, footprint: 1.0, ..base },
+        Surfaces { taps: 5, first_taps: 3, normal_cosine: 0.999, plane: 1e-4, footprint: 1.0, spread: 0.02, ..base },
     ]
 }
 
@@ -208,9 +274,47 @@ fn every_window_is_the_twins() {
             let weight = if i % 2 == 0 { Weight::Linear } else { Weight::Luminance };
             let settings = Settings { weight, ..settings(surfaces) };
             let output = rig.run(settings);
-            let left_out = assert_twin_agrees(&rig, busy, &settings, &output);
-            eprintln!("m = {m}, variant {i}: {left_out} windows near a threshold");
-            assert!(left_out as u32 * 5 <= 2 * WIDTH * HEIGHT, "m = {m}, variant {i}: {left_out} windows");
+            let compared = assert_twin_agrees(&rig, busy, &settings, &output, false);
+            eprintln!("m = {m}, variant {i}: {compared:?}");
+            assert!(compared.left_out as u32 * 5 <= 2 * WIDTH * HEIGHT, "m = {m}, variant {i}: {compared:?}");
+            assert_eq!((compared.interpolated, output.statistics.surfaces.interpolated), (0, 0));
+        }
+    }
+}
+
+/// The same four times as large, so that blocks fit into it.
+fn large(x: u32, y: u32) -> Sample {
+    busy(x / 4, y / 4)
+}
+
+#[test]
+fn light_between_the_corners_of_blocks_is_the_twins() {
+    let variants = [
+        Preset::Fast.surfaces(),
+        Surfaces { block_spread: 0.1, block_contrast: 0.3, ..Default::default() },
+        Surfaces { block_spread: 1e6, block_contrast: 1.0, spread: 1e6, tap_spread: 0.0, ..Default::default() },
+        Surfaces {
+            block_spread: 0.05,
+            block_contrast: 0.02,
+            surfaces: 2,
+            groups: 1,
+            first_taps: 2,
+            ..Default::default()
+        },
+    ];
+    for m in [1, 2, 3, 4, 6, 8] {
+        let mut rig = Rig::new(m, WIDTH, HEIGHT, &in_parts());
+        rig.fill(large);
+        for (i, surfaces) in variants.into_iter().enumerate() {
+            let weight = if i % 2 == 0 { Weight::Linear } else { Weight::Luminance };
+            // Pixels of so small an image are far apart.
+            let settings = Settings { weight, ..settings(Surfaces { plane: 0.1, ..surfaces }) };
+            let output = rig.run(settings);
+            let compared = assert_twin_agrees(&rig, large, &settings, &output, true);
+            eprintln!("m = {m}, variant {i}: {compared:?}, {:?}", output.statistics.surfaces);
+            assert!(compared.left_out as u32 * 2 <= WIDTH * HEIGHT, "m = {m}, variant {i}: {compared:?}");
+            assert!(compared.interpolated > 20, "m = {m}, variant {i}: {compared:?}");
+            assert_eq!(output.statistics.not_finite, 0);
         }
     }
 }
@@ -310,12 +414,26 @@ fn a_host_may_say_what_spreads() {
 fn nothing_that_is_not_finite_gets_out() {
     let zero = "let zero = f32(min(s.rank, 0u));";
     for bad in ["vec4f(zero / zero)", "vec4f(1.0 / zero)", "vec4f(-1.0)"] {
-        let hook = HOOK
-            .replace("    m.occlusion = c.g;", &format!("{zero}\n m.occlusion = 1.0;\n m.base_color = {bad}; m.roughness = m.base_color.x; m.normal = m.base_color.xyz;"));
-        let mut rig = Rig::new(4, WIDTH, HEIGHT, &hook);
-        rig.fill(busy);
-        let output = rig.run(settings(Surfaces::default()));
+        for host in [HOOK, &in_parts()] {
+            let hook = host
+                .replace("    m.occlusion = c.g;", &format!("{zero}\n m.occlusion = 1.0;\n m.base_color = {bad}; m.roughness = m.base_color.x; m.normal = m.base_color.xyz;"));
+            let mut rig = Rig::new(4, WIDTH, HEIGHT, &hook);
+            rig.fill(busy);
+            let output = rig.run(settings(Surfaces::default()));
+            assert!(output.image.iter().flatten().all(|c| c.is_finite() && *c >= 0.0), "{bad}");
+        }
+    }
+    // A light that is not finite at the corners of blocks stays there.
+    let corner = "(f.pixel.x % 4u) % 3u == 0u && (f.pixel.y % 4u) % 3u == 0u";
+    for bad in ["1.0", "-1.0"] {
+        let broken = format!("let rim = select(1.0, {bad} / max(1.0 - f.coverage, 0.0), {corner}) *");
+        let mut rig = Rig::new(4, WIDTH, HEIGHT, &in_parts().replace("let rim =", &broken));
+        rig.fill(large);
+        let output = rig.run(settings(Surfaces { plane: 0.1, block_spread: 1e6, spread: 1e6, ..Default::default() }));
         assert!(output.image.iter().flatten().all(|c| c.is_finite() && *c >= 0.0), "{bad}");
+        let black = output.image.iter().filter(|c| c[..3] == [0.0; 3]).count() as u32;
+        assert!(output.statistics.not_finite >= 100 && black <= output.statistics.not_finite, "{black} black pixels");
+        assert_eq!(output.statistics.surfaces.interpolated, 0);
     }
     // Normals that cancel.
     let cancel =
@@ -329,7 +447,7 @@ fn nothing_that_is_not_finite_gets_out() {
 
 #[test]
 fn the_same_frame_is_the_same_bits() {
-    let mut rig = Rig::new(5, WIDTH, HEIGHT, HOOK);
+    let mut rig = Rig::new(5, WIDTH, HEIGHT, &in_parts());
     rig.fill(busy);
     let bits = |output: &Output| output.image.iter().flatten().map(|c| c.to_bits()).collect::<Vec<_>>();
     let first = rig.run(settings(Preset::Quality.surfaces()));
@@ -407,9 +525,9 @@ fn samples_of_as_many_objects_are_the_twins() {
         for groups in [1, 8] {
             let settings = settings(Surfaces { groups, ..Default::default() });
             let output = rig.run(settings);
-            let left_out = assert_twin_agrees(&rig, confetti, &settings, &output);
-            eprintln!("m = {m}, {groups} groups: {left_out} windows near a threshold");
-            assert!(left_out as u32 * 2 < WIDTH * HEIGHT);
+            let compared = assert_twin_agrees(&rig, confetti, &settings, &output, false);
+            eprintln!("m = {m}, {groups} groups: {compared:?}");
+            assert!(compared.left_out as u32 * 2 < WIDTH * HEIGHT);
             assert!(output.statistics.surfaces.merged > WIDTH * HEIGHT * 9 / 10, "m = {m}");
         }
     }

@@ -99,7 +99,7 @@ struct Preset<T> {
     name: &'static str,
     task: Task,
     settings: T,
-    mean_ratio: f64,
+    mean_cost: f64,
     scenes: Vec<OnScene>,
 }
 
@@ -129,7 +129,7 @@ impl<T: Tunable> Preset<T> {
             time_over_full: None,
         };
         let scenes = subjects.iter().zip(&found.figures).map(on).collect();
-        Self { name, task, settings: found.settings, mean_ratio: found.mean_ratio(), scenes }
+        Self { name, task, settings: found.settings, mean_cost: found.mean_cost(), scenes }
     }
 }
 
@@ -326,7 +326,7 @@ fn summary<T: Tunable>(record: &Record<T>, path: &Path) -> String {
             text += &format!("{name:<34}{:>7.1}%{:>7.1} dB{:>7.1} dB", f.ratio * 100.0, f.psnr_db, f.edge_psnr_db);
             text += &format!("{time:>8}{blind:>22}\n");
         }
-        text += &format!("{:<34}{:>7.1}%\n", "geometric mean", preset.mean_ratio * 100.0);
+        text += &format!("{:<34}{:>7.1}%\n", "geometric mean", preset.mean_cost * 100.0);
     }
     text += "\nsamples, time: over those of Full. PSNR, edges: against Full\n";
     for preset in &record.presets {

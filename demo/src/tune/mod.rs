@@ -49,14 +49,14 @@ impl<T> Point<T> {
         self.figures.iter().map(spare).fold(f64::INFINITY, f64::min)
     }
 
-    /// The mean over the views of the logarithm of the sample ratio, so that a view with few samples counts as much.
-    fn ln_ratio(&self) -> f64 {
-        self.figures.iter().map(|f| f.ratio.ln()).sum::<f64>() / self.figures.len().max(1) as f64
+    /// The mean over the views of the logarithm of the cost, so that a view with few samples counts as much.
+    fn ln_cost(&self) -> f64 {
+        self.figures.iter().map(|f| f.cost.ln()).sum::<f64>() / self.figures.len().max(1) as f64
     }
 
-    /// The geometric mean of the sample ratios.
-    pub fn mean_ratio(&self) -> f64 {
-        self.ln_ratio().exp()
+    /// The geometric mean of the costs.
+    pub fn mean_cost(&self) -> f64 {
+        self.ln_cost().exp()
     }
 }
 
@@ -120,7 +120,7 @@ impl<T: Tunable> Tuner<'_, T> {
         let spare = point.spare_db(floor_db);
         // Below the floor a dB is dear, above it cheap: what can't reach the floor must not win.
         let rate = if spare < -CLOSE_DB { 3.0 * LN_RATIO_PER_DB } else { LN_RATIO_PER_DB };
-        Ok((point.ln_ratio() - rate * spare.min(1.0), point))
+        Ok((point.ln_cost() - rate * spare.min(1.0), point))
     }
 
     /// The settings that need the fewest samples over the floor. `after_round` hears of the best cost so far.
@@ -184,7 +184,7 @@ mod tests {
     use deferred_aa::{Selective, Windowed};
 
     fn point(figures: &[(f64, f64, f64)]) -> Point<()> {
-        let figure = |&(ratio, psnr_db, edge_psnr_db)| Figures { ratio, psnr_db, edge_psnr_db };
+        let figure = |&(ratio, psnr_db, edge_psnr_db)| Figures { ratio, cost: ratio, psnr_db, edge_psnr_db };
         Point { settings: (), figures: figures.iter().map(figure).collect() }
     }
 
@@ -196,8 +196,8 @@ mod tests {
     }
 
     #[test]
-    fn ratios_are_averaged_as_ratios() {
-        let mean = point(&[(0.1, 50.0, 50.0), (0.4, 50.0, 50.0)]).mean_ratio();
+    fn costs_are_averaged_as_ratios() {
+        let mean = point(&[(0.1, 50.0, 50.0), (0.4, 50.0, 50.0)]).mean_cost();
         assert!((mean - 0.2).abs() < 1e-12, "{mean}");
     }
 

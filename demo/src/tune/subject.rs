@@ -13,6 +13,8 @@ use serde::Serialize;
 pub struct Figures {
     /// Shaded samples over n · w · h.
     pub ratio: f64,
+    /// What the search keeps low: that ratio, or that of lights and material reads where they are apart.
+    pub cost: f64,
     /// Over all pixels.
     pub psnr_db: f64,
     /// Over the pixels whose window holds an edge; that of all pixels where none does.
@@ -65,7 +67,7 @@ impl<T: Tunable> Subject<T> {
         let image = self.host.picture();
         let psnr_db = quality::psnr(&image, &self.reference)?;
         let edge_psnr_db = quality::edge_psnr(&image, &self.reference, &self.edges)?.unwrap_or(psnr_db);
-        let figures = Figures { ratio: shot.statistics.ratio, psnr_db, edge_psnr_db };
+        let figures = Figures { ratio: shot.statistics.ratio, cost: T::cost(&shot.statistics), psnr_db, edge_psnr_db };
         self.tried.push((settings, figures));
         Ok(figures)
     }

@@ -2,7 +2,8 @@
 
 use super::search::{Axis, two_digits};
 use deferred_aa::{
-    DepthMeasure, Lattice, LuminanceCurve, MultiResolution, Pattern, Selective, Settings, Surfaces, Technique, Windowed,
+    DepthMeasure, Lattice, LuminanceCurve, MultiResolution, Pattern, Selective, Settings, Statistics, Surfaces,
+    Technique, Windowed,
 };
 use serde::Serialize;
 use std::fmt::Debug;
@@ -37,6 +38,10 @@ pub trait Tunable: Copy + PartialEq + Debug + Serialize + 'static {
     fn variants(self) -> Vec<Self>;
     /// As they stand in source.
     fn source(&self) -> String;
+    /// What the search keeps low, 1 for full supersampling.
+    fn cost(statistics: &Statistics) -> f64 {
+        statistics.ratio
+    }
 }
 
 /// The axes' values of settings, as the search has them.
@@ -280,10 +285,16 @@ impl Tunable for MultiResolution {
     }
 }
 
+/// The share of a sample's cost that is the reading of its material. On adapters that filter textures in hardware it is
+/// far less than that of light; 0 would have every tap read.
+const TAP_COST: f64 = 0.125;
+
 impl Tunable for Surfaces {
     const TECHNIQUE: &'static str = "surfaces";
     const AXES: &'static [Axis] = &[
         Axis { name: "tap_spread", least: 0.0002, most: 0.3 },
+        Axis { name: "block_spread", least: 0.0001, most: 0.1 },
+        Axis { name: "block_contrast", least: 0.005, most: 0.3 },
         Axis { name: "widening", least: 0.02, most: 0.5 },
         // Textures shimmer below a half where few taps are read, which no error of a single frame shows.
         Axis { name: "footprint", least: 0.5, most: 1.2 },
@@ -291,13 +302,13 @@ impl Tunable for Surfaces {
     const DIAL: [f64; 2] = [0.0002, 3.0];
     const TOWARDS_MORE: f64 = -1.0;
     const START: Self = Self {
-        spread: 0.05,
+        spread: 0.02,
         groups: 8,
         taps: 16,
         first_taps: 4,
-        tap_spread: 0.03,
-        block_spread: 0.0,
-        block_contrast: 0.05,
+        tap_spread: 0.01,
+        block_spread: 0.005,
+        block_contrast: 0.03,
         surfaces: 6,
         normal_cosine: 0.95,
         plane: 0.01,
@@ -310,13 +321,16 @@ impl Tunable for Surfaces {
     }
 
     fn values(&self) -> Vec<f32> {
-        vec![self.tap_spread, self.widening, self.footprint]
+        vec![self.tap_spread, self.block_spread, self.block_contrast, self.widening, self.footprint]
     }
 
     fn with_values(self, values: &[f64]) -> Self {
-        let &[tap_spread, widening, footprint] = values else { return self };
-        let [tap_spread, widening, footprint] = [tap_spread, widening, footprint].map(|v| v as f32);
-        Self { tap_spread, widening, footprint, ..self }
+        let Ok([tap_spread, block_spread, block_contrast, widening, footprint]) = <[f64; 5]>::try_from(values) else {
+            return self;
+        };
+        let [tap_spread, block_spread, block_contrast] = [tap_spread, block_spread, block_contrast].map(|v| v as f32);
+        let [widening, footprint] = [widening, footprint].map(|v| v as f32);
+        Self { tap_spread, block_spread, block_contrast, widening, footprint, ..self }
     }
 
     fn dial(&self) -> f32 {
@@ -336,6 +350,11 @@ impl Tunable for Surfaces {
         let cosines = [0.9, 0.95, 0.98].map(|normal_cosine| Self { normal_cosine, ..self });
         let groups = [4, 8].map(|groups| Self { groups, ..self });
         taps.into_iter().chain(cosines).chain(groups).filter(|v| *v != self).collect()
+    }
+
+    fn cost(statistics: &Statistics) -> f64 {
+        let taps = statistics.ratio * f64::from(statistics.surfaces.taps) / statistics.shaded.max(1) as f64;
+        TAP_COST * taps + (1.0 - TAP_COST) * statistics.ratio
     }
 
     fn source(&self) -> String {

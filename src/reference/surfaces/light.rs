@@ -1,5 +1,6 @@
 //! Twin of `shaders/surfaces/light.wgsl`: the taps of a surface, their groups, and their light.
 
+use super::blocks::{Block, Corner};
 use super::cover::Covered;
 use crate::reference::resolve;
 use crate::settings::{Surfaces, Weight};
@@ -31,6 +32,46 @@ pub struct Spread {
     pub tint: [f64; 4],
 }
 
+impl Spread {
+    /// Adds a share of another.
+    pub(super) fn add(&mut self, other: &Self, share: f64) {
+        self.shape.iter_mut().zip(other.shape).for_each(|(sum, v)| *sum += share * v);
+        self.tint.iter_mut().zip(other.tint).for_each(|(sum, v)| *sum += share * v);
+    }
+}
+
+/// `DaaLight` of the contract.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Light {
+    /// What the base colour is multiplied by.
+    pub diffuse: [f64; 3],
+    /// The rest, and alpha.
+    pub rest: [f64; 4],
+}
+
+impl Light {
+    /// The radiance from a surface of this colour.
+    pub fn radiance(&self, base_color: [f64; 4]) -> [f64; 4] {
+        let [r, g, b] = std::array::from_fn(|i| self.diffuse[i] * base_color[i] + self.rest[i]);
+        [r, g, b, self.rest[3]]
+    }
+
+    /// The exposed luminance of that radiance, negative components left out.
+    pub(super) fn luminance(&self, base_color: [f64; 4], exposure: f64) -> f64 {
+        let [r, g, b, _] = self.radiance(base_color).map(|c| (c.max(0.0) * exposure).min(1e30));
+        luminance([r, g, b])
+    }
+
+    pub(super) fn add(&mut self, other: &Self, share: f64) {
+        self.diffuse.iter_mut().zip(other.diffuse).for_each(|(sum, v)| *sum += share * v);
+        self.rest.iter_mut().zip(other.rest).for_each(|(sum, v)| *sum += share * v);
+    }
+
+    pub(super) fn scale(&mut self, by: f64) {
+        self.diffuse.iter_mut().chain(&mut self.rest).for_each(|v| *v *= by);
+    }
+}
+
 /// What the host reads of a tap.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Tap {
@@ -42,6 +83,8 @@ pub enum Tap {
         position: DVec3,
         /// Unit interpolated normal.
         normal: DVec3,
+        /// material | object << 16.
+        identity: u32,
         /// The shadow bits.
         shadow: u32,
         /// The host's material.
@@ -82,6 +125,8 @@ pub struct Lit {
     pub color: [f64; 4],
     /// The number of lights.
     pub lights: u32,
+    /// The number of surfaces that took their light from the corners of the block.
+    pub interpolated: u32,
     /// The number of taps that were read.
     pub taps: u32,
     /// How near a decision came to its threshold, over what rounding may change: spreads are kept in halves. GPU and
@@ -90,10 +135,10 @@ pub struct Lit {
 }
 
 /// The weight of a squared deviation of the tint where lights are shared.
-const TINT_WEIGHT: f64 = 0.04;
+pub(super) const TINT_WEIGHT: f64 = 0.04;
 
 /// The rounding of a half.
-const HALF: f64 = 1.0 / 2048.0;
+pub(super) const HALF: f64 = 1.0 / 2048.0;
 
 /// The most taps of a surface.
 const MOST_TAPS: usize = 16;
@@ -152,17 +197,18 @@ pub fn widened(roughness: f64, length: f64, widening: f64) -> f64 {
 }
 
 /// The decisions on a surface's taps, with the margin to their thresholds.
-struct Decided {
+pub(super) struct Decided {
     margin: f64,
 }
 
 impl Decided {
     fn above(&mut self, value: f64, threshold: f64) -> bool {
-        self.above_within(value, threshold, threshold * 1e-4)
+        // Of equal taps, twin and GPU round to either side of 0.
+        self.above_within(value, threshold, (threshold * 1e-4).max(1e-12))
     }
 
     /// Whether the value is above the threshold, where rounding may change it by so much.
-    fn above_within(&mut self, value: f64, threshold: f64, rounding: f64) -> bool {
+    pub(super) fn above_within(&mut self, value: f64, threshold: f64, rounding: f64) -> bool {
         self.margin = self.margin.min((value - threshold).abs() / rounding.max(1e-300));
         value > threshold
     }
@@ -183,17 +229,27 @@ pub struct Window<'a> {
     /// What the host reads of a tap.
     pub tap: &'a dyn Fn(Lookup) -> Tap,
     /// The host's light.
-    pub light: &'a dyn Fn(&Group) -> [f64; 4],
+    pub light: &'a dyn Fn(&Group) -> Light,
+    /// The block that the window lies in, if blocks share their light.
+    pub block: Option<Block<'a>>,
+}
+
+/// The first taps of a window of one surface, or all, and whether they may be lit at once.
+struct First {
+    taps: Vec<Tap>,
+    read: u32,
+    at_once: bool,
 }
 
 impl Window<'_> {
     /// Lights the window.
     pub fn lit(&self) -> Lit {
+        let mut lit = Lit { color: [0.0; 4], lights: 0, interpolated: 0, taps: 0, margin: 0.0 };
         let mut decided = Decided { margin: f64::INFINITY };
-        let (mut colors, mut shares, mut taps) = (Vec::new(), Vec::new(), 0);
+        let (mut colors, mut shares) = (Vec::new(), Vec::new());
         for label in 0..self.covered.surfaces {
             let ranks: Vec<usize> = (0..self.order.len()).filter(|&rank| self.covered.labels[rank] == label).collect();
-            for (color, share) in self.surface(&ranks, &mut taps, &mut decided) {
+            for (color, share) in self.surface(&ranks, &mut lit, &mut decided) {
                 colors.push(resolve::clean(color));
                 shares.push(share);
             }
@@ -208,39 +264,101 @@ impl Window<'_> {
             .collect();
         let sum: f64 = weights.iter().sum();
         let color = std::array::from_fn(|i| colors.iter().zip(&weights).map(|(c, w)| c[i] * w).sum::<f64>() / sum);
-        Lit { color, lights: colors.len() as u32, taps, margin: decided.margin }
+        Lit { color, margin: decided.margin, ..lit }
+    }
+
+    /// What the window lends to others as a corner of its block, and the margin of the decisions, as of [`Lit`].
+    pub fn corner(&self) -> (Option<Corner>, f64) {
+        let mut decided = Decided { margin: f64::INFINITY };
+        let ranks: Vec<usize> = (0..self.order.len()).collect();
+        let first = (self.covered.surfaces == 1).then(|| self.first(&ranks, &mut decided));
+        let corner = first.filter(|first| first.at_once).and_then(|first| {
+            let all: Vec<usize> = (0..first.taps.len()).collect();
+            let (light, color) = self.lit_group(&first.taps, &all, 1.0);
+            let (position, _) = self.taps(&ranks, 1).first().and_then(place)?;
+            let is_good = color.iter().all(|c| c.is_finite() && *c >= 0.0);
+            self.as_corner(&first.taps).filter(|_| is_good).map(|corner| Corner { light, position, ..corner })
+        });
+        (corner, decided.margin)
+    }
+
+    /// Taps of a surface as they are compared with the corners. `None` if they show the sky or an edge of a shadow.
+    fn as_corner(&self, taps: &[Tap]) -> Option<Corner> {
+        let &Tap::Surface { position, normal, identity, shadow, .. } = taps.last()? else { return None };
+        if taps.iter().any(|tap| matches!(tap, Tap::Sky(_)) || bits(tap) != shadow) {
+            return None;
+        }
+        let mut spread = Spread { shape: [0.0; 4], tint: [0.0; 4] };
+        taps.iter().for_each(|tap| spread.add(&self.spread_of(tap), 1.0 / taps.len() as f64));
+        Some(Corner { light: Light::default(), spread, position, normal, identity, shadow })
+    }
+
+    /// Reads the first taps of a window of one surface. At a corner of a block that is all of them if the first are not
+    /// alike.
+    fn first(&self, ranks: &[usize], decided: &mut Decided) -> First {
+        let s = self.settings;
+        let all = ranks.len().min(s.taps as usize).min(MOST_TAPS);
+        let mut count = all.min(s.first_taps as usize);
+        let mut read = 0;
+        // The shadow bits of all samples are there to be read.
+        let every: Vec<u32> = self.taps(ranks, ranks.len()).iter().map(bits).collect();
+        let mixed = every.iter().any(|b| *b != every[0]);
+        loop {
+            let taps = self.taps(ranks, count);
+            read += count as u32;
+            let d = self.spread(&taps).0;
+            let is_sky = taps.iter().all(|tap| matches!(tap, Tap::Sky(_)));
+            let spread = d.iter().sum::<f64>();
+            let limit = f64::from(s.tap_spread) * ((count as f64).max(2.0) - 1.0);
+            let coarse = !is_sky && count < all && decided.above(spread, limit);
+            let deviation = light_deviation(&d) / count as f64;
+            let apart = !is_sky && s.groups > 1 && decided.above(deviation, f64::from(s.spread));
+            let alike = is_sky || !(apart || mixed);
+            if alike && coarse && self.block.is_some_and(|block| block.is_corner()) {
+                count = all;
+                continue;
+            }
+            return First { taps, read, at_once: alike && !coarse };
+        }
     }
 
     /// The colours of a surface's groups, with their shares of the window.
-    fn surface(&self, ranks: &[usize], read: &mut u32, decided: &mut Decided) -> Vec<([f64; 4], f64)> {
-        let (s, n) = (self.settings, self.order.len());
-        let all = ranks.len().min(s.taps as usize).min(MOST_TAPS);
-        let first = s.first_taps as usize;
-        let few = if self.covered.surfaces == 1 { first.min(all) } else { all };
-        let mut taps = self.taps(ranks, few);
-        let share = |taps: usize| ranks.len() as f64 / (n * taps) as f64;
-        if taps.len() < all {
-            let d = self.spread(&taps).0;
-            // The shadow bits of all samples are there to be read.
-            let bits: Vec<u32> = self.taps(ranks, ranks.len()).iter().map(bits).collect();
-            let mixed = bits.iter().any(|b| *b != bits[0]);
-            let count = taps.len() as f64;
-            let spread = (d.iter().sum::<f64>()) * share(taps.len()) * count;
-            let coarse = decided.above(spread, f64::from(s.tap_spread) * (count.max(2.0) - 1.0));
-            // It is only lit at once if its first taps share a light.
-            let apart = s.groups > 1 && decided.above(light_deviation(&d) * share(taps.len()), f64::from(s.spread));
-            if coarse || apart || mixed {
-                taps = self.taps(ranks, all);
+    fn surface(&self, ranks: &[usize], lit: &mut Lit, decided: &mut Decided) -> Vec<([f64; 4], f64)> {
+        let all = ranks.len().min(self.settings.taps as usize).min(MOST_TAPS);
+        let first = (self.covered.surfaces == 1).then(|| self.first(ranks, decided));
+        lit.taps += first.as_ref().map_or(0, |first| first.read);
+        let at_once = first.filter(|first| first.at_once);
+        let is_lit_first = at_once.is_some() && self.block.is_some_and(|block| block.is_corner());
+        let is_alike = at_once.is_some();
+        let taps = at_once.map_or_else(|| self.taps(ranks, all), |first| first.taps);
+        let share = ranks.len() as f64 / (self.order.len() * taps.len()) as f64;
+        let coverage = |group: &[usize]| share * group.len() as f64;
+        let mut groups = vec![(0..taps.len()).collect()];
+        if !is_alike {
+            lit.taps += taps.len() as u32;
+            groups = self.groups(&taps, share, decided);
+            if groups.len() > 1 {
+                lit.taps += taps.len() as u32;
             }
         }
-        *read += taps.len() as u32;
-        let share = share(taps.len());
-        let groups = self.groups(&taps, share, decided);
-        if groups.len() > 1 {
-            *read += taps.len() as u32;
+        if groups.len() == 1
+            && !is_lit_first
+            && let Some(color) = self.interpolated(&taps, decided)
+        {
+            lit.interpolated += 1;
+            return vec![(color, coverage(&groups[0]))];
         }
-        let coverage = |group: &[usize]| share * group.len() as f64;
-        groups.iter().map(|group| (self.lit_group(&taps, group, coverage(group)), coverage(group))).collect()
+        lit.lights += groups.len() as u32;
+        groups.iter().map(|group| (self.lit_group(&taps, group, coverage(group)).1, coverage(group))).collect()
+    }
+
+    /// The colour of a surface by light from the corners of its block.
+    fn interpolated(&self, taps: &[Tap], decided: &mut Decided) -> Option<[f64; 4]> {
+        let block = self.block?;
+        let base_color = mean_color(taps);
+        let here = self.as_corner(taps)?;
+        let light = block.between(&here, base_color, self.exposure, self.settings, decided)?;
+        Some(light.radiance(base_color))
     }
 
     /// Reads the first taps of a surface.
@@ -343,7 +461,8 @@ impl Window<'_> {
         (!off.is_empty() && off.len() < group.len()).then_some(off)
     }
 
-    fn lit_group(&self, taps: &[Tap], group: &[usize], coverage: f64) -> [f64; 4] {
+    /// The light of a group, and its colour.
+    fn lit_group(&self, taps: &[Tap], group: &[usize], coverage: f64) -> (Light, [f64; 4]) {
         let mut sky = [0.0; 4];
         let mut count = 0.0;
         let (mut position, mut normal, mut shadow) = (DVec3::ZERO, DVec3::ZERO, u32::MAX);
@@ -351,7 +470,7 @@ impl Window<'_> {
         for &tap in group {
             match &taps[tap] {
                 Tap::Sky(radiance) => sky.iter_mut().zip(radiance).for_each(|(sum, c)| *sum += c),
-                Tap::Surface { position: p, normal: n, shadow: bits, material } => {
+                Tap::Surface { position: p, normal: n, shadow: bits, material, .. } => {
                     count += 1.0;
                     position += *p;
                     normal += *n;
@@ -365,7 +484,7 @@ impl Window<'_> {
                 }
             }
         }
-        let mut radiance = [0.0; 4];
+        let (mut light, mut radiance) = (Light::default(), [0.0; 4]);
         if count > 0.0 {
             let mean = m.normal / count;
             let cancels = mean.length_squared() <= 1e-6;
@@ -379,9 +498,29 @@ impl Window<'_> {
             };
             let group =
                 Group { position: position / count, normal: normal.normalize_or_zero(), shadow, material, coverage };
-            radiance = (self.light)(&group);
+            light = (self.light)(&group);
+            radiance = light.radiance(material.base_color);
         }
-        std::array::from_fn(|i| (radiance[i] * count + sky[i]) / group.len() as f64)
+        (light, std::array::from_fn(|i| (radiance[i] * count + sky[i]) / group.len() as f64))
+    }
+}
+
+/// The mean base colour of taps that all show a surface.
+fn mean_color(taps: &[Tap]) -> [f64; 4] {
+    let mut mean = [0.0; 4];
+    for tap in taps {
+        if let Tap::Surface { material, .. } = tap {
+            mean.iter_mut().zip(material.base_color).for_each(|(sum, c)| *sum += c / taps.len() as f64);
+        }
+    }
+    mean
+}
+
+/// The position and the normal of a tap on a surface.
+fn place(tap: &Tap) -> Option<(DVec3, DVec3)> {
+    match tap {
+        Tap::Sky(_) => None,
+        Tap::Surface { position, normal, .. } => Some((*position, *normal)),
     }
 }
 

@@ -1,4 +1,5 @@
 //! Twin of the passes of `Surfaces`.
 
+pub mod blocks;
 pub mod cover;
 pub mod light;
