@@ -501,7 +501,7 @@ impl DeferredAa {
         let (at, drawn) = self.check_target(frame, &band)?;
         let begins = band.index == 0;
         let (effort, audited) = if begins {
-            self.begin_frame(settings, layout.image, technique.has_effort())
+            self.begin_frame(settings, layout.image, settings.technique.follows_goals())
         } else {
             let begun = self.begun.as_ref().filter(|begun| begun.next > 0);
             let next = begun.map_or(0, |begun| begun.next);

@@ -11,20 +11,6 @@
 @group(3) @binding(4) var<storage, read_write> daa_audits: array<vec2f>;
 @group(3) @binding(5) var<storage, read> daa_counts: array<u32>;
 
-var<workgroup> daa_errors: array<vec2f, 64>;
-
-/// The displayed colour: x/(1+x), then the transfer function of sRGB (IEC 61966-2-1).
-fn daa_display(c: vec3f) -> vec3f {
-    let exposed = min(max(c * daa_frame.exposure, vec3f(0.0)), vec3f(1e30));
-    let x = exposed / (1.0 + exposed);
-    return select(1.055 * pow(x, vec3f(1.0 / 2.4)) - 0.055, 12.92 * x, x <= vec3f(0.0031308));
-}
-
-fn daa_squared_distance(a: vec4f, b: vec4f) -> f32 {
-    let apart = daa_display(a.rgb) - daa_display(b.rgb);
-    return dot(apart, apart) / 3.0;
-}
-
 /// The k of a window at a step less of effort.
 fn daa_k_below(count: u32) -> u32 {
     let by_least = daa_plan_reason(count) == DAA_BY_LEAST;
@@ -71,17 +57,5 @@ fn daa_audit_main(
         let slot = daa_tile_index(of_part) * 64u + lane;
         errors = daa_squared_errors(pixel, daa_plan_k(daa_plan[slot]), daa_k_below(daa_counts[slot]));
     }
-    daa_errors[lane] = errors;
-    workgroupBarrier();
-    if lane == 0u {
-        var sum = vec2f(0.0);
-        for (var i = 0u; i < 64u; i++) {
-            sum += daa_errors[i];
-        }
-        // Each part of the image writes the tiles that it shows, and what lies beyond the end of their rows.
-        let exists = tile.x * 8u < daa_frame.image.x;
-        if daa_is_shown(select(vec2u(daa_frame.shown.x, pixel.y), pixel, exists)) {
-            daa_audits[tile.y * groups.x + group.x] = select(vec2f(-1.0), sum, exists);
-        }
-    }
+    daa_store_errors(group.xy, groups.x, lane, errors);
 }

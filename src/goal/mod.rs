@@ -1,5 +1,5 @@
 //! The controller for a goal in place of fixed settings: it moves one number, the effort, until the measured frames
-//! meet the goal. `Windowed::at_effort` says what the effort scales.
+//! meet the goal. `at_effort` of the settings of a technique says what the effort scales.
 
 use crate::TILE;
 use crate::gpu::uniforms::audited::Audited;
@@ -18,8 +18,9 @@ const FAR: f32 = 0.5;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct GoalProgress {
-    /// The effort of this frame: its metrics were scaled by 2^effort. At -12 almost nothing is shaded beyond the first
-    /// samples, at 0 the settings apply as they are, at 8 every sample is shaded.
+    /// The effort of this frame: its metrics were scaled by 2^effort, or its spreads divided by it. At -12 almost nothing
+    /// is shaded beyond the first samples, at 0 the settings apply as they are, at 8 every sample is shaded, or with
+    /// [`Technique::Surfaces`](crate::Technique::Surfaces) every tap that differs is lit, up to the setting `groups`.
     pub effort: f32,
     /// The estimated root mean square error of the displayed image, from the tiles audited so far. Only for
     /// [`Goal::Error`].

@@ -502,6 +502,7 @@ fn workgroups_are_the_shaders() {
     let flat = [TILE * TILE, 1, 1];
     let expected = BTreeMap::from([
         ("daa_audit_main", flat),
+        ("daa_audit_surfaces", flat),
         ("daa_check_main", tile),
         ("daa_classify_finish", [1, 1, 1]),
         ("daa_classify_main", flat),

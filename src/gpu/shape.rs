@@ -20,10 +20,11 @@ pub(crate) fn shape(kind: Kind, layout: Layout, settings: &Settings, inputs: Ray
     let Kind { m, target_format, gbuffer } = kind;
     let Layout { image, size } = layout;
     let technique = techniques::of(settings.technique);
-    let audits = technique.has_effort() && matches!(settings.goal, Some(Goal::Error(_)));
+    let audits = settings.technique.follows_goals() && matches!(settings.goal, Some(Goal::Error(_)));
     let casting = technique.casting(settings, m);
     // A goal may raise every k to n.
-    let room = if technique.has_effort() && settings.goal.is_some() { f32::MAX } else { settings.ray_samples };
+    let room =
+        if settings.technique.follows_goals() && settings.goal.is_some() { f32::MAX } else { settings.ray_samples };
     Shape {
         size,
         image,

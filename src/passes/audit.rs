@@ -8,7 +8,7 @@ use crate::wgsl::chunk;
 static MODULE: Module = Module {
     name: "audit",
     base: Base::Shading,
-    chunks: &[chunk::RANKS, chunk::RESULTS_PLANNED, include_str!("../../shaders/passes/audit.wgsl")],
+    chunks: &[chunk::RANKS, chunk::RESULTS_PLANNED, chunk::AUDITS, include_str!("../../shaders/passes/audit.wgsl")],
 };
 
 pub(crate) static AUDIT: PassData = PassData {

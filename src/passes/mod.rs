@@ -73,6 +73,8 @@ pub(crate) static ALL: &[&PassData] = &[
     &surfaces::cover::COVER,
     &surfaces::light::LIGHT,
     &surfaces::light::TRACED,
+    &surfaces::audit::AUDIT,
+    &surfaces::audit::TRACED,
     &view::GBUFFER,
     &view::SURFACES,
     &view::FIRST,

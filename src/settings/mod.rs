@@ -145,6 +145,11 @@ impl Technique {
         Self::MultiResolution,
         Self::Surfaces,
     ];
+
+    /// Whether it can be scaled to meet a [`Goal`]. Others ignore goals.
+    pub fn follows_goals(self) -> bool {
+        matches!(self, Self::Windowed | Self::Surfaces)
+    }
 }
 
 /// Whether a kind of ray is traced.

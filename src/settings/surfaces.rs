@@ -64,6 +64,18 @@ impl Surfaces {
     pub(crate) const MOST_GROUPS: u32 = 8;
     /// The most surfaces of a window: their labels and their number have three bits each.
     pub(crate) const MOST_SURFACES: u32 = 6;
+
+    /// These settings with all spreads divided by 2^effort, which lies in -12 to 8. At 0 they stay as they are, at 8
+    /// taps share a light only if they are the same.
+    pub(crate) fn at_effort(self, effort: f32) -> Self {
+        let scale = if effort >= 8.0 { 0.0 } else { (-effort).exp2() };
+        Self {
+            spread: self.spread * scale,
+            tap_spread: self.tap_spread * scale,
+            block_spread: self.block_spread * scale,
+            ..self
+        }
+    }
 }
 
 impl Default for Surfaces {

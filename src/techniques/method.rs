@@ -110,11 +110,6 @@ pub(crate) trait Method: Sync {
         0
     }
 
-    /// Whether it can be scaled by an effort to meet a goal.
-    fn has_effort(&self) -> bool {
-        false
-    }
-
     /// Whether it reads the marks of materials and objects ([`Needs::textured`], [`Needs::importance`]).
     fn reads_marks(&self) -> bool {
         false

@@ -12,16 +12,16 @@ use crate::gpu::uniforms::frame::{FrameUniform, SurfacesUniform, flag};
 use crate::host::needs::RayInputs;
 use crate::host::plan::PlanWord;
 use crate::host::statistics::Counters;
-use crate::passes::surfaces::{cover, light};
+use crate::passes::surfaces::{audit, cover, light};
 use crate::passes::{first, plan, resolve};
-use crate::settings::{DebugView, Settings};
+use crate::settings::{DebugView, Goal, Settings};
 use crate::window;
 
 pub(super) struct Surfaces;
 
 impl Method for Surfaces {
-    fn uniform(&self, settings: &Settings, m: u32, _: Option<Effort>, uniform: &mut FrameUniform) {
-        let s = &settings.surfaces;
+    fn uniform(&self, settings: &Settings, m: u32, effort: Option<Effort>, uniform: &mut FrameUniform) {
+        let s = effort.map_or(settings.surfaces, |e| settings.surfaces.at_effort(e.effort));
         uniform.flag(flag::SURFACES, true);
         uniform.footprint = s.footprint;
         uniform.surfaces = SurfacesUniform {
@@ -44,7 +44,8 @@ impl Method for Surfaces {
     fn steps(&self, settings: &Settings, inputs: RayInputs) -> Steps {
         let light: &'static PassData = if inputs.any() { &light::TRACED } else { &light::LIGHT };
         let shown = Shown { image: &resolve::COLOR, planned: false, surfaces: true, classified: inputs.any(), inputs };
-        Steps::default()
+        let audit: &'static PassData = if inputs.any() { &audit::TRACED } else { &audit::AUDIT };
+        let steps = Steps::default()
             .then_all(rays::classified(inputs))
             .then_all(rays::cast(inputs, CastSamples::First))
             .then_if(settings.view == DebugView::First, &first::FIRST)
@@ -52,7 +53,12 @@ impl Method for Surfaces {
             .then_all(inputs.any().then(|| Step::from(&plan::PLAN)))
             .then_all(rays::cast_planned(inputs))
             .then(light)
-            .then(image_or_view(settings, &shown))
+            .then(image_or_view(settings, &shown));
+        if !matches!(settings.goal, Some(Goal::Error(_))) {
+            return steps;
+        }
+        // The audit runs after the image, which does not wait for it.
+        steps.then_all(rays::cast(inputs, CastSamples::Audited)).then(audit)
     }
 
     /// The first taps of a window lie in rows and columns of their own, so that fewer edges pass between them.

@@ -79,8 +79,4 @@ impl Method for Windowed {
     fn apron(&self, settings: &Settings, _: RayInputs) -> u32 {
         1 + blocks(settings.execution)
     }
-
-    fn has_effort(&self) -> bool {
-        true
-    }
 }

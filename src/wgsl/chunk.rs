@@ -50,6 +50,7 @@ chunks! {
     RESULTS_BY_RANK: "swap/results_by_rank.wgsl",
     RESULTS_PLANNED: "swap/results_planned.wgsl",
     MASKS: "surfaces/masks.wgsl",
+    AUDITS: "shared/audits.wgsl",
     TILE_SUM: "shared/tile_sum.wgsl",
     SCAN: "shared/scan.wgsl",
     RAYS: "rays/rays.wgsl",

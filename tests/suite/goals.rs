@@ -95,6 +95,59 @@ fn an_error_is_kept_on_every_scene() {
     }
 }
 
+/// `Surfaces` has other efforts and an audit of its own.
+#[test]
+fn surfaces_keep_a_goal() {
+    let hook = "
+        fn material(s: DaaSample) -> DaaMaterial {
+            let c = unpack4x8unorm(s.user);
+            var m: DaaMaterial;
+            m.base_color = vec4f(c.rgb, 1.0);
+            m.roughness = 0.5;
+            m.normal = normalize(s.normal + 0.5 * (c.rgb - 0.5));
+            return m;
+        }
+        fn light(f: DaaSurface, m: DaaMaterial) -> DaaLight {
+            return DaaLight(vec3f(max(dot(m.normal, vec3f(0.6, 0.0, 0.8)), 0.0)), vec4f(0.0, 0.0, 0.0, 1.0));
+        }";
+    let (size, exposure) = ([97, 54], 2.0);
+    let mut rig = Rig::new(4, size[0], size[1], hook);
+    rig.exposure = exposure;
+    rig.fill(busy);
+    let full = rig.run(Settings { technique: Technique::Full, ..Default::default() });
+    let with = |goal| Settings { technique: Technique::Surfaces, goal, ..Default::default() };
+    let settings = with(Some(Goal::Error(0.02)));
+    let (mut compared, mut samples) = (0, (0, u64::MAX));
+    let mut output = rig.run(settings);
+    for _ in 0..400 {
+        let progress = output.statistics.goal.expect("a goal");
+        let next = rig.run(settings);
+        if progress.audited == 1.0 {
+            let (told, found) =
+                (f64::from(progress.error.expect("an error")), rms(&output.image, &full.image, exposure));
+            assert!((told / found - 1.0).abs() < 1e-3, "{told} {found}");
+            compared += 1;
+        }
+        assert!(rms(&next.image, &full.image, exposure) <= 0.022, "{:?}", next.statistics.goal);
+        samples = (samples.0.max(next.statistics.shaded), samples.1.min(next.statistics.shaded));
+        output = next;
+    }
+    let progress = output.statistics.goal.expect("a goal");
+    assert!(
+        compared > 10 && progress.state == GoalState::Met && samples.1 < samples.0 * 3 / 4,
+        "{samples:?} {progress:?}"
+    );
+    for _ in 0..70 {
+        assert_eq!(rig.run(settings).image, output.image, "at rest");
+    }
+    // An error that a light for each of few groups can't reach.
+    for _ in 0..100 {
+        output = rig.run(with(Some(Goal::Error(1e-6))));
+    }
+    assert_eq!(output.statistics.goal.expect("a goal").state, GoalState::Missed);
+    assert!(Technique::ALL.into_iter().filter(|t| t.follows_goals()).eq([Technique::Windowed, Technique::Surfaces]));
+}
+
 #[test]
 fn only_an_error_is_audited() {
     let names = |goal| {

@@ -41,8 +41,9 @@ impl Render {
         settings
             .validate()
             .map_err(|e| CommandError::Argument { argument: "--goal".to_owned(), problem: e.to_string() })?;
-        if settings.goal.is_some() && settings.technique != Technique::Windowed {
-            let problem = format!("'{:?}' has nothing to scale: use windowed", settings.technique).to_lowercase();
+        if settings.goal.is_some() && !settings.technique.follows_goals() {
+            let problem =
+                format!("'{:?}' has nothing to scale: use windowed or surfaces", settings.technique).to_lowercase();
             return Err(CommandError::Argument { argument: "--goal".to_owned(), problem });
         }
         let (mut host, camera) = self.view.open_within(self.memory)?;

@@ -72,15 +72,20 @@ impl App {
 
     fn presets(&mut self, ui: &mut Ui) {
         let settings = self.sides[self.edited].settings;
-        if settings.technique != Technique::Windowed {
+        let with = |preset: Preset| match settings.technique {
+            Technique::Windowed => Some(Settings { windowed: preset.windowed(), ..settings }),
+            Technique::Surfaces => Some(Settings { surfaces: preset.surfaces(), ..settings }),
+            _ => None,
+        };
+        let presets = Preset::ALL.map(|preset| with(preset).map(|settings| (preset, settings)));
+        if presets[0].is_none() {
             return;
         }
         ui.horizontal(|ui| {
             ui.label("Preset:");
-            for preset in Preset::ALL {
-                let chosen = settings.windowed == preset.windowed();
-                if ui.selectable_label(chosen, format!("{preset:?}")).clicked() {
-                    self.sides[self.edited].set(Settings { windowed: preset.windowed(), ..settings }, "preset");
+            for (preset, chosen) in presets.into_iter().flatten() {
+                if ui.selectable_label(settings == chosen, format!("{preset:?}")).clicked() {
+                    self.sides[self.edited].set(chosen, "preset");
                 }
             }
         });
@@ -114,13 +119,17 @@ impl App {
             "execution"
                 if matches!(
                     technique,
-                    Technique::Full | Technique::Single | Technique::Reconstructed | Technique::Selective
+                    Technique::Full
+                        | Technique::Single
+                        | Technique::Reconstructed
+                        | Technique::Selective
+                        | Technique::Surfaces
                 ) =>
             {
                 Some(format!("{technique:?} has a way of its own to run: there is nothing to choose"))
             }
-            "goal" if technique != Technique::Windowed => {
-                Some(format!("{technique:?} has nothing to scale: goals are for Windowed"))
+            "goal" if !technique.follows_goals() => {
+                Some(format!("{technique:?} has nothing to scale: goals are for Windowed and Surfaces"))
             }
             "multi_resolution.shading.pattern" if self.options.m == 1 => {
                 Some("Triangles want m of 2 or more: their rows are shifted by half a pixel".to_owned())

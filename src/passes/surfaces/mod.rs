@@ -1,4 +1,5 @@
 //! The passes of `Surfaces`.
 
+pub(crate) mod audit;
 pub(crate) mod cover;
 pub(crate) mod light;
