@@ -139,7 +139,9 @@ fn frames(c: &mut Criterion) {
         encoder.finish()
     };
     let mut group = c.benchmark_group("frame");
-    for technique in [Technique::Single, Technique::Windowed, Technique::Selective, Technique::MultiResolution] {
+    let recorded =
+        [Technique::Single, Technique::Windowed, Technique::Selective, Technique::MultiResolution, Technique::Surfaces];
+    for technique in recorded {
         let mut aa = node();
         queue.submit([record(&mut aa, technique)]);
         group.bench_function(format!("record/{technique:?}"), |b| {
@@ -152,7 +154,7 @@ fn frames(c: &mut Criterion) {
         gpu.wait();
     }
     group.sample_size(10);
-    for technique in [Technique::Windowed, Technique::MultiResolution] {
+    for technique in [Technique::Windowed, Technique::MultiResolution, Technique::Surfaces] {
         group.bench_function(format!("cold start/{technique:?}"), |b| {
             b.iter(|| queue.submit([record(&mut node(), technique)]));
         });

@@ -36,7 +36,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("{SCENE} {width}×{height}, {}", adapter.get_info().name);
     println!("samples and GPU time over those of Full; times: min, median, 95th percentile over rounds");
     println!(
-        "{:>3}{:>7}{:>8}  {:<10}{:>9}{:>27}{:>27}",
+        "{:>3}{:>7}{:>8}  {:<20}{:>9}{:>27}{:>27}",
         "m", "stall", "rounds", "", "samples", "node", "with G-buffer"
     );
     for (m, stall) in CASES {
@@ -61,17 +61,19 @@ fn case(adapter: wgpu::Adapter, m: u32, stall: u32) -> Result<(), Box<dyn Error>
     let camera = scene.default_camera();
     let mut host = Host::new(gpu, scene, options)?;
     let full = Settings { technique: Technique::Full, ..Default::default() };
-    let mut all = Preset::ALL.map(|_| Ratios::default());
+    let with = |technique| Preset::ALL.map(|preset| Settings { technique, ..preset.settings() });
+    let tried = [with(Technique::Windowed), with(Technique::Surfaces)].concat();
+    let mut all: Vec<Ratios> = tried.iter().map(|_| Ratios::default()).collect();
     // Warms up: pipelines are compiled at their first use.
-    for settings in [full].into_iter().chain(Preset::ALL.map(Preset::settings)) {
-        host.frame(&camera, settings)?;
+    for settings in [full].iter().chain(&tried) {
+        host.frame(&camera, *settings)?;
     }
     let begin = Instant::now();
     let mut rounds = 0;
     while rounds < MOST_ROUNDS && (rounds < LEAST_ROUNDS || begin.elapsed() < TIME) {
         let reference = times(&host.frame(&camera, full)?);
-        for (preset, ratios) in Preset::ALL.into_iter().zip(&mut all) {
-            let shot = host.frame(&camera, preset.settings())?;
+        for (settings, ratios) in tried.iter().zip(&mut all) {
+            let shot = host.frame(&camera, *settings)?;
             ratios.samples = shot.statistics.ratio;
             if let (Some(own), Some(reference)) = (times(&shot), reference) {
                 ratios.node.push(own.0 / reference.0);
@@ -80,9 +82,12 @@ fn case(adapter: wgpu::Adapter, m: u32, stall: u32) -> Result<(), Box<dyn Error>
         }
         rounds += 1;
     }
-    for (preset, ratios) in Preset::ALL.into_iter().zip(all) {
+    for ((settings, preset), ratios) in tried.iter().zip(Preset::ALL.into_iter().cycle()).zip(all) {
         let (samples, node, total) = (ratios.samples * 100.0, spread(ratios.node), spread(ratios.total));
-        println!("{m:>3}{stall:>7}{rounds:>8}  {:<10}{samples:>8.1}%{node:>27}{total:>27}", format!("{preset:?}"));
+        println!(
+            "{m:>3}{stall:>7}{rounds:>8}  {:<20}{samples:>8.1}%{node:>27}{total:>27}",
+            format!("{:?} {preset:?}", settings.technique)
+        );
     }
     Ok(())
 }

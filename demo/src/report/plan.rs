@@ -213,8 +213,10 @@ fn surfaces(m: u32, base: Surfaces, spreads: &[Scale]) -> Vec<Own<Surfaces>> {
         all.push((format!("{id}-{name}"), format!("Surfaces, {name}, m = {m}"), Some(name), preset.surfaces()));
     }
     for &(spread, name) in spreads {
-        // Taps as seldom as lights.
-        let surfaces = Surfaces { spread, tap_spread: base.tap_spread * spread / base.spread.max(1e-6), ..base };
+        // Taps and interpolated light in proportion.
+        let scale = spread / base.spread.max(1e-6);
+        let (tap_spread, block_spread) = (base.tap_spread * scale, base.block_spread * scale);
+        let surfaces = Surfaces { spread, tap_spread, block_spread, ..base };
         all.push((format!("{id}-{name}"), format!("Surfaces, spread {spread}, m = {m}"), None, surfaces));
     }
     all

@@ -22,14 +22,15 @@ struct Bounds {
     entries: BTreeMap<String, EntryOracle>,
 }
 
-/// The bounds at one m, which are also set in its entries of Windowed. `None` where m = 1, which has nothing to choose,
+/// The bounds at one m, which are also set in its entries of Windowed and Surfaces. `None` where m = 1, which has nothing to choose,
 /// and where a picture of single samples does not fit the device.
 pub fn bounds(session: &Session, m: u32, entries: &mut [Entry]) -> Result<Option<Oracle>, ReportError> {
     let (width, height) = (session.request.width * m, session.request.height * m);
     if m == 1 || !fits(session, 1, (width, height)) {
         return Ok(None);
     }
-    let ours = |e: &&mut Entry| e.stats.m == m && e.stats.settings.technique == Technique::Windowed;
+    let bounded = [Technique::Windowed, Technique::Surfaces];
+    let ours = |e: &&mut Entry| e.stats.m == m && bounded.contains(&e.stats.settings.technique);
     let mut ours: Vec<_> = entries.iter_mut().filter(ours).collect();
     ours.sort_by(|a, b| a.id.cmp(&b.id));
     let measured: Vec<_> = ours.iter().map(|e| (e.id.clone(), e.grid_error(), e.stats.samples.ratio)).collect();
