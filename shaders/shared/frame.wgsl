@@ -97,7 +97,8 @@ struct DaaSurfaces {
     block_spread: f32,
     /// The difference of displayed luminance between the corners up to which it does.
     block_contrast: f32,
-    padding: u32,
+    /// How far around a window a difference of shadow bits makes all its samples cast rays, in pixels.
+    shadow_reach: u32,
 }
 
 /// Where the results of a sample's rays lie. The results of the first ranks go rank by rank, with a word for each slot.

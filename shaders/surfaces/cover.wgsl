@@ -50,25 +50,34 @@ fn daa_of_triangle(pixel: vec2u, rank: u32, others: vec2u) -> vec2u {
 /// The difference of displayed luminance above which all samples reflect. A quarter of it gives four.
 const DAA_SEEN_CONTRAST: f32 = 0.02;
 
+/// The nearest pixel of the G-buffer.
+fn daa_nearest_pixel(pixel: vec2i) -> vec2u {
+    return vec2u(clamp(pixel, vec2i(0), vec2i(daa_frame.size) - 1));
+}
+
 /// The luminance that the first sample reflects and refracts, exposed, on the curve c/(1+c).
 fn daa_reflected_luminance(pixel: vec2u) -> f32 {
     let c = daa_luminance(daa_exposed(daa_radiance_decode(daa_reflection_code(pixel, 0u))));
     return c / (1.0 + c);
 }
 
-/// How many of the window's samples cast rays. Where the bits of all windows around agree, and one surface fills this
-/// window, the first sample speaks for all.
+/// How many of the window's samples cast rays. Where the bits of all windows near agree, one surface fills this window,
+/// and those beside it reflect alike, the first sample speaks for all.
 fn daa_rays_wanted(pixel: vec2u, surfaces: u32) -> u32 {
     let n = DAA_M * DAA_M;
     let bits = daa_shadow_bits(pixel, 0u);
     let reflected = daa_reflected_luminance(pixel);
     var differs = surfaces > 1u;
     var contrast = 0.0;
+    let reach = i32(daa_frame.surfaces.shadow_reach);
+    for (var y = -reach; y <= reach && !differs; y++) {
+        for (var x = -reach; x <= reach; x++) {
+            differs = differs || daa_shadow_bits(daa_nearest_pixel(vec2i(pixel) + vec2i(x, y)), 0u) != bits;
+        }
+    }
     for (var i = 0u; i < 9u; i++) {
-        let beside = vec2i(pixel) + vec2i(i32(i % 3u), i32(i / 3u)) - 1;
-        let inside = vec2u(clamp(beside, vec2i(0), vec2i(daa_frame.size) - 1));
-        differs = differs || daa_shadow_bits(inside, 0u) != bits;
-        contrast = max(contrast, abs(daa_reflected_luminance(inside) - reflected));
+        let beside = daa_nearest_pixel(vec2i(pixel) + vec2i(i32(i % 3u), i32(i / 3u)) - 1);
+        contrast = max(contrast, abs(daa_reflected_luminance(beside) - reflected));
     }
     if differs || contrast > DAA_SEEN_CONTRAST {
         return n;

@@ -325,7 +325,7 @@ fn every_module_is_sound_and_has_the_frame() {
                 widening,
                 block_spread,
                 block_contrast,
-                padding,
+                shadow_reach,
             }),
         ),
         ("DaaMultiResolution", rust_layout!(MultiResolutionUniform { color, position, padding })),

@@ -111,6 +111,7 @@ impl Settings {
         range!(surfaces.tap_spread, 0.0, 1e6, Logarithmic),
         range!(surfaces.block_spread, 0.0, 1e6, Logarithmic),
         range!(surfaces.block_contrast, 0.0, 1.0, Logarithmic),
+        range!(surfaces.shadow_reach, 0.0, Surfaces::MOST_REACH as f32, Whole),
         range!(surfaces.surfaces, 1.0, Surfaces::MOST_SURFACES as f32, Whole),
         range!(surfaces.normal_cosine, -1.0, 1.0, Linear),
         range!(surfaces.plane, 0.0, 1.0, Logarithmic),

@@ -38,6 +38,10 @@ pub struct Surfaces {
     /// The greatest difference between the displayed luminances of a block's corners (c/(1+c), 0 to 1) up to which the
     /// light between them is interpolated. Higher: fewer lights, small highlights and the rims of lights are missed.
     pub block_contrast: f32,
+    /// How far from a change of shadow all samples of a window cast shadow rays, 0 to 4 pixels. Further off, and where
+    /// one surface fills the window, the first sample casts for all. Higher: thin shadows that first samples hit here
+    /// and there come out whole, for more rays, and more room for them ([`Settings::ray_samples`](crate::Settings)). 0: only windows of several surfaces.
+    pub shadow_reach: u32,
     /// The most surfaces that are told apart in a window, 1 to 6. The samples of further ones are merged into the last;
     /// [`SurfaceCounts::merged`](crate::SurfaceCounts::merged) counts such windows. Higher: better foliage, ropes and
     /// fences.
@@ -64,6 +68,7 @@ impl Surfaces {
     pub(crate) const MOST_GROUPS: u32 = 8;
     /// The most surfaces of a window: their labels and their number have three bits each.
     pub(crate) const MOST_SURFACES: u32 = 6;
+    pub(crate) const MOST_REACH: u32 = 4;
 
     /// These settings with all spreads divided by 2^effort, which lies in -12 to 8. At 0 they stay as they are, at 8
     /// taps share a light only if they are the same.
@@ -95,6 +100,7 @@ impl Preset {
             tap_spread: 0.005,
             block_spread: 0.001,
             block_contrast: 0.03,
+            shadow_reach: 2,
             surfaces: 6,
             normal_cosine: 0.95,
             plane: 0.01,
@@ -102,9 +108,11 @@ impl Preset {
             footprint: 0.5,
         };
         match self {
-            Self::Fast => Surfaces { spread: 0.025, block_spread: 0.006, ..balanced },
+            Self::Fast => Surfaces { spread: 0.025, block_spread: 0.006, shadow_reach: 1, ..balanced },
             Self::Balanced => balanced,
-            Self::Quality => Surfaces { spread: 0.004, tap_spread: 0.001, block_contrast: 0.02, ..balanced },
+            Self::Quality => {
+                Surfaces { spread: 0.004, tap_spread: 0.001, block_contrast: 0.02, shadow_reach: 3, ..balanced }
+            }
         }
     }
 }

@@ -36,7 +36,7 @@ impl Method for Surfaces {
             widening: s.widening,
             block_spread: s.block_spread,
             block_contrast: s.block_contrast,
-            padding: 0,
+            shadow_reach: s.shadow_reach,
         };
         uniform.set_centres(m, &self.order(settings, m));
     }
@@ -82,8 +82,8 @@ impl Method for Surfaces {
         Counted::by_k(counters, of.n, nothing(of))
     }
 
-    fn apron(&self, _: &Settings, inputs: RayInputs) -> u32 {
-        // Shadow bits are compared with those of the windows around.
-        u32::from(inputs.any())
+    fn apron(&self, settings: &Settings, inputs: RayInputs) -> u32 {
+        // Shadow bits and reflections are compared with those of the windows around.
+        if inputs.any() { settings.surfaces.shadow_reach.max(1) } else { 0 }
     }
 }

@@ -1,11 +1,13 @@
 //! `Surfaces` against its twin, and against `Full`.
 
 use crate::harness::{Output, Rig, SHOW_USER, Sample, noise, rgba8, stored_normal};
-use deferred_aa::glam::{DVec2, DVec3, Vec2, Vec3};
+use deferred_aa::glam::{DVec2, DVec3, Vec2, Vec3, dvec3};
+use deferred_aa::reference::rays::shared_exponent;
 use deferred_aa::reference::sample::relative_position;
 use deferred_aa::reference::surfaces::blocks::{Block, Corner};
-use deferred_aa::reference::surfaces::cover::{Covered, Seen, cover};
+use deferred_aa::reference::surfaces::cover::{Around, Covered, Seen, cover, rays};
 use deferred_aa::reference::surfaces::light::{Group, Light, Lookup, Material, Tap, Window};
+use deferred_aa::wgpu;
 use deferred_aa::{Preset, Settings, SurfaceWord, Surfaces, Technique, Weight, window};
 use deferred_aa_demo::gpu::{self, Gpu};
 use deferred_aa_demo::host::{Host, Options};
@@ -474,7 +476,9 @@ fn scenes_are_nearly_those_of_full_supersampling() {
         host.frame(&camera, Settings { technique: Technique::Full, ..Default::default() }).expect("a frame");
         let full = host.picture();
         let [fast, balanced, quality] = Preset::ALL.map(|preset| {
-            let shot = host.frame(&camera, settings(preset.surfaces())).expect("a frame");
+            // So small an image of `shadows` is full of their edges, beyond the room of the default.
+            let settings = Settings { ray_samples: 15.0, ..settings(preset.surfaces()) };
+            let shot = host.frame(&camera, settings).expect("a frame");
             assert_eq!(host.gpu.take_errors(), Vec::<String>::new());
             let db = psnr(&host.picture(), &full).expect("of one size");
             (db, shot.statistics.mean_k)
@@ -489,6 +493,67 @@ fn scenes_are_nearly_those_of_full_supersampling() {
     assert!(lines.is_empty(), "dB and lights a pixel:\n{}", lines.join("\n"));
 }
 
+/// The samples that cast rays are the twin's.
+#[test]
+fn rays_are_cast_where_the_twin_wants_them() {
+    let (width, height) = (96, 54);
+    for (name, shadow_reach) in [("shadows", 0), ("shadows", 3), ("mirrors", 1)] {
+        let scene = builtin::builtin(name).expect("built in");
+        let camera = scene.default_camera();
+        let options = Options::new(width, height, 4);
+        let gpu = Gpu::new(gpu::choose(None).expect("tests need an adapter"), &options.descriptor()).expect("a device");
+        let mut host = Host::new(gpu, scene, options).expect("a host");
+        host.frame(&camera, settings(Surfaces { shadow_reach, ..Default::default() })).expect("a frame");
+        let passed = host.aa.intermediates().expect("a size");
+        let read = |buffer: Option<&wgpu::Buffer>| -> Vec<u32> {
+            buffer.map_or(Vec::new(), |buffer| bytemuck::pod_collect_to_vec(&host.gpu.read_buffer(buffer)))
+        };
+        let [shadows, reflections, words] = [passed.shadows, passed.reflections, passed.surfaces].map(read);
+        let first = |found: &[u32], x: i32, y: i32| {
+            let [x, y] = [x.clamp(0, width as i32 - 1) as u32, y.clamp(0, height as i32 - 1) as u32];
+            found.get(passed.slots.sample(x, y, 0)).copied().unwrap_or(0)
+        };
+        let reflected = |x, y| {
+            let c = shared_exponent::decode(first(&reflections, x, y)).dot(dvec3(0.2126, 0.7152, 0.0722));
+            c / (1.0 + c)
+        };
+        let mut all = [0; 3];
+        for (i, word) in host.plan().into_iter().enumerate() {
+            let (x, y) = ((i as u32 % width) as i32, (i as u32 / width) as i32);
+            let near = |reach: i32| (-reach..=reach).flat_map(move |j| (-reach..=reach).map(move |i| (x + i, y + j)));
+            let around = Around {
+                shadows_differ: near(shadow_reach as i32).any(|(i, j)| first(&shadows, i, j) != first(&shadows, x, y)),
+                contrast: near(1).map(|(i, j)| (reflected(i, j) - reflected(x, y)).abs()).fold(0.0, f64::max),
+            };
+            let surfaces = SurfaceWord(words[passed.slots.pixel(x as u32, y as u32)]).surfaces();
+            let (wanted, margin) = rays(16, surfaces as u8, &around);
+            assert!(word.k() as usize == wanted || margin < 1e-6, "{name} ({x}, {y}): {} {around:?}", word.k());
+            all[[1, 4, 16].iter().position(|k| *k == word.k()).expect("one of three")] += 1;
+        }
+        assert!(all[0] > 500 && all[2] > 200 && (all[1] > 10 || name == "shadows"), "{name}: {all:?}");
+    }
+}
+
+/// Shadows thinner than the distance of first samples, which these hit here and there.
+#[test]
+fn thin_shadows_are_whole() {
+    let scene = builtin::builtin("shadows").expect("built in");
+    let camera = scene.default_camera();
+    let options = Options::new(480, 270, 4);
+    let gpu = Gpu::new(gpu::choose(None).expect("tests need an adapter"), &options.descriptor()).expect("a device");
+    let mut host = Host::new(gpu, scene, options).expect("a host");
+    host.frame(&camera, Settings { technique: Technique::Full, ..Default::default() }).expect("a frame");
+    let full = host.picture();
+    let mut db = |settings| {
+        host.frame(&camera, settings).expect("a frame");
+        psnr(&host.picture(), &full).expect("of one size")
+    };
+    let [short, nearly, whole] = Preset::ALL.map(|preset| db(settings(preset.surfaces())));
+    let dashes = db(Settings::default());
+    eprintln!("{short:.2}, {nearly:.2} and {whole:.2} dB, Windowed {dashes:.2}");
+    assert!(whole > 60.0 && nearly > 54.0 && short < 52.0 && dashes < 50.0, "{whole} {nearly} {short} {dashes}");
+}
+
 /// Where a shadow or a mirror has only room for first results, a frame is still whole.
 #[test]
 fn without_room_first_results_stand_in() {
@@ -498,10 +563,13 @@ fn without_room_first_results_stand_in() {
         let options = Options::new(96, 54, 4);
         let gpu = Gpu::new(gpu::choose(None).expect("tests need an adapter"), &options.descriptor()).expect("a device");
         let mut host = Host::new(gpu, scene, options).expect("a host");
-        let all = host.frame(&camera, settings(Surfaces::default())).expect("a frame").statistics;
+        let all = host
+            .frame(&camera, settings(Surfaces { shadow_reach: 1, ..Default::default() }))
+            .expect("a frame")
+            .statistics;
         let image = host.picture();
         assert!(all.without_rays == 0 && all.shadow_rays + all.reflection_rays > 0, "{all:?}");
-        let few = Settings { ray_samples: 0.0, ..settings(Surfaces::default()) };
+        let few = Settings { ray_samples: 0.0, ..settings(Surfaces { shadow_reach: 1, ..Default::default() }) };
         let few = host.frame(&camera, few).expect("a frame").statistics;
         assert!(few.without_rays > 0 && few.shadow_rays < all.shadow_rays, "{few:?}");
         let db = psnr(&host.picture(), &image).expect("of one size");

@@ -309,6 +309,7 @@ impl Tunable for Surfaces {
         tap_spread: 0.01,
         block_spread: 0.005,
         block_contrast: 0.03,
+        shadow_reach: 2,
         surfaces: 6,
         normal_cosine: 0.95,
         plane: 0.01,

@@ -85,7 +85,7 @@ pub(crate) struct SurfacesUniform {
     pub widening: f32,
     pub block_spread: f32,
     pub block_contrast: f32,
-    pub padding: u32,
+    pub shadow_reach: u32,
 }
 
 /// `DaaResults` of frame.wgsl.

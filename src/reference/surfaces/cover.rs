@@ -92,6 +92,27 @@ fn is_same_surface(a: &Seen, b: &Seen, forward: DVec3, settings: &Surfaces) -> (
     (off <= plane && n.dot(o) >= cosine, margin)
 }
 
+/// What the first samples around a window have found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Around {
+    /// Whether shadow bits within `shadow_reach` differ from the window's.
+    pub shadows_differ: bool,
+    /// The greatest difference between the window's reflected luminance, exposed and as c/(1+c), and that of its eight
+    /// neighbours.
+    pub contrast: f64,
+}
+
+/// How many of a window's samples cast rays, and how near the contrast came to a threshold.
+pub fn rays(n: usize, surfaces: u8, around: &Around) -> (usize, f64) {
+    const SEEN: f64 = 0.02;
+    let margin = (around.contrast - SEEN).abs().min((around.contrast - 0.25 * SEEN).abs());
+    if surfaces > 1 || around.shadows_differ {
+        return (n, f64::INFINITY);
+    }
+    let few = if around.contrast > 0.25 * SEEN { n.min(4) } else { 1 };
+    (if around.contrast > SEEN { n } else { few }, margin)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
