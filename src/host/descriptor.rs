@@ -8,9 +8,13 @@ use crate::rays::RayTier;
 #[derive(Debug, Clone, Copy)]
 pub struct Shading<'a> {
     /// WGSL with either `fn shade(s: DaaSample) -> vec4f`, or both `fn material(s: DaaSample) -> DaaMaterial` and
-    /// `fn light(f: DaaSurface, m: DaaMaterial) -> vec4f`. The result is linear radiance and alpha.
+    /// `fn light(f: DaaSurface, m: DaaMaterial) -> vec4f`. The result is linear radiance and alpha. `light` may return
+    /// `DaaLight` instead: what the base colour is multiplied by, and the rest. Then
+    /// [`Technique::Surfaces`](crate::Technique::Surfaces) lets pixels share light and keep their colours
+    /// ([`block_spread`](crate::Surfaces::block_spread)).
     ///
-    /// Three functions are optional. `fn sky(s: DaaSample) -> vec4f` shades samples without a surface; without it the
+    /// Four functions are optional. `fn spread(s: DaaSample, m: DaaMaterial) -> DaaSpread` says which samples `Surfaces`
+    /// may light together, for materials that mean other things than the contract's names. `fn sky(s: DaaSample) -> vec4f` shades samples without a surface; without it the
     /// sky is transparent black. For rays, `fn reflection(s: DaaSample) -> DaaReflection` says what a surface reflects
     /// and refracts, and `fn solid(material: u32, uv: vec2f) -> bool` whether a masked mesh stops a ray.
     ///

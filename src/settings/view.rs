@@ -9,7 +9,8 @@ pub enum DebugView {
     #[default]
     Image = 0,
     /// k on a log scale: 1 is black, n white, between them red and yellow. For
-    /// [`Technique::Surfaces`](crate::Technique::Surfaces), the number of lights.
+    /// [`Technique::Surfaces`](crate::Technique::Surfaces), the number of lights, dark blue where a window has none of
+    /// its own.
     Count = 1,
     /// The metric that decided k: black none, red depth, green normal, blue luminance, yellow identity, cyan shadow.
     /// For [`Technique::Selective`](crate::Technique::Selective), what the threshold of the window's first active
