@@ -99,7 +99,7 @@ impl Preset {
             first_taps: 4,
             tap_spread: 0.005,
             block_spread: 0.001,
-            block_contrast: 0.03,
+            block_contrast: 0.008,
             shadow_reach: 2,
             surfaces: 6,
             normal_cosine: 0.95,
@@ -108,10 +108,12 @@ impl Preset {
             footprint: 0.5,
         };
         match self {
-            Self::Fast => Surfaces { spread: 0.025, block_spread: 0.006, shadow_reach: 1, ..balanced },
+            Self::Fast => {
+                Surfaces { spread: 0.025, block_spread: 0.006, block_contrast: 0.02, shadow_reach: 1, ..balanced }
+            }
             Self::Balanced => balanced,
             Self::Quality => {
-                Surfaces { spread: 0.004, tap_spread: 0.001, block_contrast: 0.02, shadow_reach: 3, ..balanced }
+                Surfaces { spread: 0.004, tap_spread: 0.001, block_contrast: 0.004, shadow_reach: 3, ..balanced }
             }
         }
     }
