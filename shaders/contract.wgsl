@@ -110,17 +110,17 @@ struct DaaMaterial {
 }
 
 /// Light in two parts: what `light` may return in place of the radiance, so that pixels of one surface can share their
-/// light and keep their colours.
+/// light and keep their colours. The crate adds what the material emits.
 struct DaaLight {
     /// What the base colour is multiplied by: diffuse light before the albedo, and whatever else is in proportion to it.
     diffuse: vec3f,
-    /// The radiance that does not depend on the base colour, and alpha.
+    /// The radiance that depends on neither the base colour nor emission, and alpha.
     rest: vec4f,
 }
 
-/// The radiance of both parts.
+/// The radiance of a material in that light.
 fn daa_radiance(l: DaaLight, m: DaaMaterial) -> vec4f {
-    return vec4f(l.diffuse * m.base_color.rgb + l.rest.rgb, l.rest.a);
+    return vec4f(l.diffuse * m.base_color.rgb + l.rest.rgb + m.emissive, l.rest.a);
 }
 
 /// What decides whether two samples of a surface may share their light: the result of the host's `spread`. Without that

@@ -191,7 +191,7 @@ fn daa_light(g: DaaGathered, s: DaaSample, ranks: vec2u, coverage: f32) -> DaaLi
         }
         let m = daa_mean_material(g);
         light = daa_call_light(f, m);
-        radiance = daa_radiance(light, m);
+        radiance = daa_of_light(light, m);
     } else {
         radiance = daa_call_hook(s, coverage);
     }
@@ -364,6 +364,7 @@ fn daa_between(pixel: vec2u, g: DaaGathered, s: DaaSample) -> DaaBetween {
     }
     var m: DaaMaterial;
     m.base_color = g.material.base_color / g.taps;
+    m.emissive = g.material.emissive / g.taps;
     let along = vec2f(pixel % 4u) / 3.0;
     var light: DaaLight;
     var shape = vec4f(0.0);

@@ -9,7 +9,7 @@ use crate::rays::RayTier;
 pub struct Shading<'a> {
     /// WGSL with either `fn shade(s: DaaSample) -> vec4f`, or both `fn material(s: DaaSample) -> DaaMaterial` and
     /// `fn light(f: DaaSurface, m: DaaMaterial) -> vec4f`. The result is linear radiance and alpha. `light` may return
-    /// `DaaLight` instead: what the base colour is multiplied by, and the rest. Then
+    /// `DaaLight` instead: what the base colour is multiplied by, and the rest, to which the crate adds the emission. Then
     /// [`Technique::Surfaces`](crate::Technique::Surfaces) lets pixels share light and keep their colours
     /// ([`block_spread`](crate::Surfaces::block_spread)).
     ///

@@ -104,7 +104,7 @@ impl Preset {
             surfaces: 6,
             normal_cosine: 0.95,
             plane: 0.01,
-            widening: 0.1,
+            widening: 0.2,
             footprint: 0.5,
         };
         match self {

@@ -189,19 +189,22 @@ impl HostSource {
                 "const DAA_SPLIT_HOOK: bool = false;
 const DAA_LIGHT_IN_PARTS: bool = false;
 fn daa_call_material(s: DaaSample) -> DaaMaterial { return DaaMaterial(); }
-fn daa_call_light(f: DaaSurface, m: DaaMaterial) -> DaaLight { return DaaLight(); }"
+fn daa_call_light(f: DaaSurface, m: DaaMaterial) -> DaaLight { return DaaLight(); }
+fn daa_of_light(l: DaaLight, m: DaaMaterial) -> vec4f { return l.rest; }"
             }
             Hook::Split => {
                 "const DAA_SPLIT_HOOK: bool = true;
 const DAA_LIGHT_IN_PARTS: bool = false;
 fn daa_call_material(s: DaaSample) -> DaaMaterial { return material(s); }
-fn daa_call_light(f: DaaSurface, m: DaaMaterial) -> DaaLight { return DaaLight(vec3f(0.0), light(f, m)); }"
+fn daa_call_light(f: DaaSurface, m: DaaMaterial) -> DaaLight { return DaaLight(vec3f(0.0), light(f, m)); }
+fn daa_of_light(l: DaaLight, m: DaaMaterial) -> vec4f { return l.rest; }"
             }
             Hook::Parts => {
                 "const DAA_SPLIT_HOOK: bool = true;
 const DAA_LIGHT_IN_PARTS: bool = true;
 fn daa_call_material(s: DaaSample) -> DaaMaterial { return material(s); }
-fn daa_call_light(f: DaaSurface, m: DaaMaterial) -> DaaLight { return light(f, m); }"
+fn daa_call_light(f: DaaSurface, m: DaaMaterial) -> DaaLight { return light(f, m); }
+fn daa_of_light(l: DaaLight, m: DaaMaterial) -> vec4f { return daa_radiance(l, m); }"
             }
         };
         let spread = if self.spread {

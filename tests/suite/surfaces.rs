@@ -39,7 +39,7 @@ fn sky(s: DaaSample) -> vec4f { return vec4f(0.2, 0.3, s.view.y * s.view.y, 1.0)
 
 /// The same, with light in two parts.
 fn in_parts() -> String {
-    let whole = "return vec4f(m.base_color.rgb * lambert + ";
+    let whole = "return vec4f(m.base_color.rgb * lambert + m.emissive + ";
     assert!(HOOK.contains(whole));
     HOOK.replace("DaaMaterial) -> vec4f", "DaaMaterial) -> DaaLight")
         .replace(whole, "return DaaLight(vec3f(lambert), vec4f(")
@@ -156,7 +156,7 @@ fn light(g: &Group) -> Light {
     let lambert = m.normal.dot(DVec3::new(0.48, 0.6, 0.64)).max(0.0);
     let rim = m.roughness * m.metallic * (1.0 - g.normal.dot(-g.position.normalize()));
     let more = [rim, m.occlusion * 0.1, g.coverage * 0.01];
-    let [r, g, b] = std::array::from_fn(|i| m.emissive[i] + more[i]);
+    let [r, g, b] = more;
     Light { diffuse: [lambert; 3], rest: [r, g, b, 1.0] }
 }
 

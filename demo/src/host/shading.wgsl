@@ -58,7 +58,9 @@ fn material(s: DaaSample) -> DaaMaterial {
     m.normal = s.normal;
     m.occlusion = 1.0;
     m.user0 = vec4f(f32(materials[index].unlit), materials[index].transmission, materials[index].ior, 0.0);
-    return textured(m, s, index);
+    m = textured(m, s, index);
+    m.emissive = select(m.emissive, vec3f(0.0), materials[index].unlit != 0u);
+    return m;
 }
 
 /// Where a masked material stops a ray: at the finest mip, for a ray has no footprint here.
@@ -204,6 +206,6 @@ fn light(f: DaaSurface, m: DaaMaterial) -> DaaLight {
             sum.diffuse += sky_radiance(-f.view) * through;
         }
     }
-    sum.rest += vec4f(m.emissive + f.reflected, 1.0);
+    sum.rest += vec4f(f.reflected, 1.0);
     return sum;
 }

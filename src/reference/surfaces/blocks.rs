@@ -1,6 +1,6 @@
 //! Twin of the blocks in `shaders/surfaces/light.wgsl`: light that surfaces take from the corners of 4 × 4 windows.
 
-use super::light::{Decided, HALF, Light, Spread, TINT_WEIGHT};
+use super::light::{Decided, HALF, Light, Material, Spread, TINT_WEIGHT};
 use crate::settings::Surfaces;
 use glam::DVec3;
 
@@ -38,11 +38,11 @@ impl Block<'_> {
         self.place.iter().all(|p| *p == 0 || *p == 3)
     }
 
-    /// The light of a surface of that colour, if it need not be lit.
+    /// The light of a surface of those colours, if it need not be lit.
     pub(super) fn between(
         &self,
         here: &Corner,
-        base_color: [f64; 4],
+        colors: &Material,
         exposure: f64,
         settings: &Surfaces,
         decided: &mut Decided,
@@ -69,7 +69,7 @@ impl Block<'_> {
             share += weight;
             light.add(&corner.light, weight);
             spread.add(&corner.spread, weight);
-            let luminance = corner.light.luminance(base_color, exposure);
+            let luminance = corner.light.luminance(colors, exposure);
             least = least.min(luminance / (1.0 + luminance));
             most = most.max(luminance / (1.0 + luminance));
         }

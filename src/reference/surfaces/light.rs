@@ -50,15 +50,15 @@ pub struct Light {
 }
 
 impl Light {
-    /// The radiance from a surface of this colour.
-    pub fn radiance(&self, base_color: [f64; 4]) -> [f64; 4] {
-        let [r, g, b] = std::array::from_fn(|i| self.diffuse[i] * base_color[i] + self.rest[i]);
+    /// The radiance of a material in this light.
+    pub fn radiance(&self, m: &Material) -> [f64; 4] {
+        let [r, g, b] = std::array::from_fn(|i| self.diffuse[i] * m.base_color[i] + self.rest[i] + m.emissive[i]);
         [r, g, b, self.rest[3]]
     }
 
     /// The exposed luminance of that radiance, negative components left out.
-    pub(super) fn luminance(&self, base_color: [f64; 4], exposure: f64) -> f64 {
-        let [r, g, b, _] = self.radiance(base_color).map(|c| (c.max(0.0) * exposure).min(1e30));
+    pub(super) fn luminance(&self, m: &Material, exposure: f64) -> f64 {
+        let [r, g, b, _] = self.radiance(m).map(|c| (c.max(0.0) * exposure).min(1e30));
         luminance([r, g, b])
     }
 
@@ -355,10 +355,10 @@ impl Window<'_> {
     /// The colour of a surface by light from the corners of its block.
     fn interpolated(&self, taps: &[Tap], decided: &mut Decided) -> Option<[f64; 4]> {
         let block = self.block?;
-        let base_color = mean_color(taps);
+        let colors = mean_colors(taps);
         let here = self.as_corner(taps)?;
-        let light = block.between(&here, base_color, self.exposure, self.settings, decided)?;
-        Some(light.radiance(base_color))
+        let light = block.between(&here, &colors, self.exposure, self.settings, decided)?;
+        Some(light.radiance(&colors))
     }
 
     /// Reads the first taps of a surface.
@@ -499,18 +499,19 @@ impl Window<'_> {
             let group =
                 Group { position: position / count, normal: normal.normalize_or_zero(), shadow, material, coverage };
             light = (self.light)(&group);
-            radiance = light.radiance(material.base_color);
+            radiance = light.radiance(&material);
         }
         (light, std::array::from_fn(|i| (radiance[i] * count + sky[i]) / group.len() as f64))
     }
 }
 
-/// The mean base colour of taps that all show a surface.
-fn mean_color(taps: &[Tap]) -> [f64; 4] {
-    let mut mean = [0.0; 4];
+/// The mean base colour and emission of taps that all show a surface.
+fn mean_colors(taps: &[Tap]) -> Material {
+    let mut mean = Material::default();
     for tap in taps {
         if let Tap::Surface { material, .. } = tap {
-            mean.iter_mut().zip(material.base_color).for_each(|(sum, c)| *sum += c / taps.len() as f64);
+            mean.base_color.iter_mut().zip(material.base_color).for_each(|(sum, c)| *sum += c / taps.len() as f64);
+            mean.emissive.iter_mut().zip(material.emissive).for_each(|(sum, c)| *sum += c / taps.len() as f64);
         }
     }
     mean
