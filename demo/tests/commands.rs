@@ -440,7 +440,7 @@ fn a_search_writes_what_it_did_and_what_it_found() {
     for preset in presets {
         let found = preset["scenes"].as_array().unwrap();
         let product: f64 = found.iter().map(|s| s["figures"]["ratio"].as_f64().unwrap()).product();
-        assert!((product.sqrt() - preset["mean_ratio"].as_f64().unwrap()).abs() < 1e-9, "{preset:#}");
+        assert!((product.sqrt() - preset["mean_cost"].as_f64().unwrap()).abs() < 1e-9, "{preset:#}");
         for (i, on) in found.iter().enumerate() {
             assert_eq!(on["scene"], scenes[2 * i + 1]);
             let floor = preset["task"]["floor_db"].as_f64().unwrap();

@@ -153,7 +153,12 @@ fn hold_against_each_other(text: &str) {
         for execution in Execution::ALL.into_iter().filter(|&e| e != Execution::MaxFiltered) {
             let as_default = name.replace(&format!(" {execution:?}"), "");
             if as_default != *name {
-                assert_eq!(lines.get(as_default.as_str()), Some(found), "{name}");
+                let Some(default) = lines.get(as_default.as_str()) else { panic!("{name} alone") };
+                // Compilers may round the host's light in another way where a tile is shaded: Mesa's does on mirrors at
+                // m = 3. `scenes` holds those images to a step of a half.
+                let counted = |line: &str| line.split_once(' ').map(|(_, counted)| counted.to_owned());
+                let same = default == found || (execution == Execution::Tiled && counted(default) == counted(found));
+                assert!(same, "{name}: {found} {default}");
             }
         }
     }

@@ -100,6 +100,8 @@ struct Brdf {
     /// The share of the base colour that is diffuse albedo, and that is mirrored at normal incidence.
     diffuse: f32,
     metallic: f32,
+    /// The share that is mirrored at normal incidence whatever the colour is.
+    dielectric: f32,
     f0: vec3f,
     alpha: f32,
     normal: vec3f,
@@ -124,11 +126,12 @@ fn reflected(b: Brdf, l: vec3f) -> DaaLight {
     let visibility = 0.5
         / (n_dot_l * sqrt(b.n_dot_v * b.n_dot_v * (1.0 - a2) + a2) + b.n_dot_v * sqrt(n_dot_l * n_dot_l * (1.0 - a2) + a2));
     let grazing = pow(1.0 - v_dot_h, 5.0);
-    let fresnel = b.f0 + (1.0 - b.f0) * grazing;
-    let mirrored = distribution * visibility * n_dot_l;
-    let of_metal = mirrored * b.metallic * (1.0 - grazing);
-    let of_glass = mirrored * (0.04 * (1.0 - b.metallic) * (1.0 - grazing) + grazing);
-    return DaaLight((1.0 - fresnel) * (b.diffuse * n_dot_l / 3.14159265) + of_metal, vec4f(vec3f(of_glass), 0.0));
+    let lost = 1.0 - grazing;
+    let fresnel = b.f0 * lost + grazing;
+    let mirrored = distribution * visibility;
+    let by_color = b.diffuse * (1.0 - fresnel) / 3.14159265 + mirrored * (b.metallic * lost);
+    let rest = mirrored * (b.dielectric * lost + grazing);
+    return DaaLight(by_color * n_dot_l, vec4f(vec3f(rest * n_dot_l), 0.0));
 }
 
 fn lit(f: DaaSurface, b: Brdf) -> DaaLight {
@@ -175,6 +178,7 @@ fn light(f: DaaSurface, m: DaaMaterial) -> DaaLight {
     // Normals that a map bends away from the eye count as grazing.
     b.n_dot_v = max(dot(b.normal, f.view), 0.001);
     b.metallic = m.metallic;
+    b.dielectric = 0.04 * (1.0 - m.metallic);
     b.f0 = mix(vec3f(0.04), m.base_color.rgb, m.metallic);
     b.diffuse = (1.0 - m.metallic) * (1.0 - m.user0.y);
     let roughness = clamp(m.roughness, 0.045, 1.0);
@@ -200,7 +204,7 @@ fn light(f: DaaSurface, m: DaaMaterial) -> DaaLight {
         let scale = -1.04 * a004 + r.z;
         let least = -b.metallic * scale * min(min(m.base_color.r, m.base_color.g), m.base_color.b);
         sum.diffuse += blurred * (b.metallic * scale);
-        sum.rest += vec4f(blurred * max(0.04 * (1.0 - b.metallic) * scale + 1.04 * a004 + r.w, least), 0.0);
+        sum.rest += vec4f(blurred * max(b.dielectric * scale + (1.04 * a004 + r.w), least), 0.0);
         if m.user0.y > 0.0 {
             let through = (1.0 - mirrored_share(m, b.n_dot_v)) * (m.user0.y * (1.0 - m.metallic));
             sum.diffuse += sky_radiance(-f.view) * through;
