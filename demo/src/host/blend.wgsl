@@ -26,7 +26,7 @@ fn blend_fragment(v: Varying, @builtin(front_facing) winds: bool) -> @location(0
     s.ddy = dpdy(v.uv);
     s.pixel = vec2u(v.clip.xy);
     let m = material(s);
-    let radiance = light(daa_surface(s, 1.0), m).rgb;
+    let radiance = daa_radiance(light(daa_surface(s, 1.0), m), m).rgb;
     let alpha = clamp(m.base_color.a, 0.0, 1.0);
     // NaN is not greater than 0.
     let clean = select(vec3f(0.0), min(radiance, vec3f(MOST)), radiance > vec3f(0.0));
