@@ -4,9 +4,8 @@ use crate::harness::{Output, Rig, SHOW_USER, Sample, noise, rgba8, stored_normal
 use deferred_aa::glam::{DVec2, DVec3, Vec2, Vec3, dvec3};
 use deferred_aa::reference::rays::shared_exponent;
 use deferred_aa::reference::sample::relative_position;
-use deferred_aa::reference::surfaces::blocks::{Block, Corner};
 use deferred_aa::reference::surfaces::cover::{Around, Covered, Seen, cover, rays};
-use deferred_aa::reference::surfaces::light::{Group, Light, Lookup, Material, Tap, Window};
+use deferred_aa::reference::surfaces::light::{Block, Corner, Group, Light, Lookup, Material, Tap, Window};
 use deferred_aa::wgpu;
 use deferred_aa::{Preset, Settings, SurfaceWord, Surfaces, Technique, Weight, window};
 use deferred_aa_demo::gpu::{self, Gpu};

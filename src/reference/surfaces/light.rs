@@ -1,6 +1,5 @@
 //! Twin of `shaders/surfaces/light.wgsl`: the taps of a surface, their groups, and their light.
 
-use super::blocks::{Block, Corner};
 use super::cover::Covered;
 use crate::reference::resolve;
 use crate::settings::{Surfaces, Weight};
@@ -34,7 +33,7 @@ pub struct Spread {
 
 impl Spread {
     /// Adds a share of another.
-    pub(super) fn add(&mut self, other: &Self, share: f64) {
+    fn add(&mut self, other: &Self, share: f64) {
         self.shape.iter_mut().zip(other.shape).for_each(|(sum, v)| *sum += share * v);
         self.tint.iter_mut().zip(other.tint).for_each(|(sum, v)| *sum += share * v);
     }
@@ -57,17 +56,17 @@ impl Light {
     }
 
     /// The exposed luminance of that radiance, negative components left out.
-    pub(super) fn luminance(&self, m: &Material, exposure: f64) -> f64 {
+    fn luminance(&self, m: &Material, exposure: f64) -> f64 {
         let [r, g, b, _] = self.radiance(m).map(|c| (c.max(0.0) * exposure).min(1e30));
         luminance([r, g, b])
     }
 
-    pub(super) fn add(&mut self, other: &Self, share: f64) {
+    fn add(&mut self, other: &Self, share: f64) {
         self.diffuse.iter_mut().zip(other.diffuse).for_each(|(sum, v)| *sum += share * v);
         self.rest.iter_mut().zip(other.rest).for_each(|(sum, v)| *sum += share * v);
     }
 
-    pub(super) fn scale(&mut self, by: f64) {
+    fn scale(&mut self, by: f64) {
         self.diffuse.iter_mut().chain(&mut self.rest).for_each(|v| *v *= by);
     }
 }
@@ -135,10 +134,10 @@ pub struct Lit {
 }
 
 /// The weight of a squared deviation of the tint where lights are shared.
-pub(super) const TINT_WEIGHT: f64 = 0.04;
+const TINT_WEIGHT: f64 = 0.04;
 
 /// The rounding of a half.
-pub(super) const HALF: f64 = 1.0 / 2048.0;
+const HALF: f64 = 1.0 / 2048.0;
 
 /// The most taps of a surface.
 const MOST_TAPS: usize = 16;
@@ -197,7 +196,7 @@ pub fn widened(roughness: f64, length: f64, widening: f64) -> f64 {
 }
 
 /// The decisions on a surface's taps, with the margin to their thresholds.
-pub(super) struct Decided {
+struct Decided {
     margin: f64,
 }
 
@@ -208,7 +207,7 @@ impl Decided {
     }
 
     /// Whether the value is above the threshold, where rounding may change it by so much.
-    pub(super) fn above_within(&mut self, value: f64, threshold: f64, rounding: f64) -> bool {
+    fn above_within(&mut self, value: f64, threshold: f64, rounding: f64) -> bool {
         self.margin = self.margin.min((value - threshold).abs() / rounding.max(1e-300));
         value > threshold
     }
@@ -529,6 +528,96 @@ fn bits(tap: &Tap) -> u32 {
     match tap {
         Tap::Sky(_) => 0,
         Tap::Surface { shadow, .. } => *shadow,
+    }
+}
+
+/// What is known of a window at a corner of a block, or of a surface that may take its light.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Corner {
+    /// Of a corner; black for others.
+    pub light: Light,
+    /// The means of the features of its taps.
+    pub spread: Spread,
+    /// Position relative to the camera: of a corner that of its first sample, of others that of their last tap.
+    pub position: DVec3,
+    /// Unit interpolated normal of the last tap.
+    pub normal: DVec3,
+    /// material | object << 16.
+    pub identity: u32,
+    /// The shadow bits.
+    pub shadow: u32,
+}
+
+/// The corners of a window's block: `None` where the window there lends no light.
+#[derive(Debug, Clone, Copy)]
+pub struct Block<'a> {
+    /// The place of the window, 0 to 3 along x and y.
+    pub place: [u32; 2],
+    /// In the order (0, 0), (3, 0), (0, 3), (3, 3).
+    pub corners: &'a [Option<Corner>; 4],
+    /// View direction of the camera.
+    pub forward: DVec3,
+}
+
+impl Block<'_> {
+    /// Whether the window is a corner itself.
+    pub fn is_corner(&self) -> bool {
+        self.place.iter().all(|p| *p == 0 || *p == 3)
+    }
+
+    /// The light of a surface of those colours, if it need not be lit.
+    fn between(
+        &self,
+        here: &Corner,
+        colors: &Material,
+        exposure: f64,
+        settings: &Surfaces,
+        decided: &mut Decided,
+    ) -> Option<Light> {
+        let along = self.place.map(|p| f64::from(p) / 3.0);
+        let (mut share, mut least, mut most) = (0.0, f64::INFINITY, 0.0_f64);
+        let mut light = Light::default();
+        let mut spread = Spread { shape: [0.0; 4], tint: [0.0; 4] };
+        for (i, corner) in self.corners.iter().enumerate() {
+            let weight: f64 =
+                (0..2).map(|axis| if i >> axis & 1 == 1 { along[axis] } else { 1.0 - along[axis] }).product();
+            let Some(corner) = corner.filter(|_| weight > 0.0) else { continue };
+            if corner.identity != here.identity || corner.shadow != here.shadow {
+                continue;
+            }
+            let distance = here.position.dot(self.forward).abs();
+            let off = here.normal.dot(corner.position - here.position).abs() / distance;
+            // Normals of corners are kept in 16 bits a component.
+            let far = decided.above_within(off, f64::from(settings.plane), 1e-5);
+            let bent = !decided.above_within(here.normal.dot(corner.normal), settings.normal_cosine.into(), 1e-4);
+            if far || bent {
+                continue;
+            }
+            share += weight;
+            light.add(&corner.light, weight);
+            spread.add(&corner.spread, weight);
+            let luminance = corner.light.luminance(colors, exposure);
+            least = least.min(luminance / (1.0 + luminance));
+            most = most.max(luminance / (1.0 + luminance));
+        }
+        if share == 0.0 || decided.above_within(most - least, settings.block_contrast.into(), 1e-5) {
+            return None;
+        }
+        let (mut apart, mut rounding) = (0.0, 0.0);
+        let weights = [1.0, TINT_WEIGHT];
+        let pairs = [(spread.shape, here.spread.shape), (spread.tint, here.spread.tint)];
+        for ((of_corners, own), weight) in pairs.into_iter().zip(weights) {
+            for (a, b) in of_corners.into_iter().zip(own) {
+                let difference = a / share - b;
+                apart += weight * difference * difference;
+                rounding += weight * 2.0 * difference.abs() * HALF * (a / share).abs() + 1e-9;
+            }
+        }
+        if decided.above_within(apart, settings.block_spread.into(), rounding) {
+            return None;
+        }
+        light.scale(1.0 / share);
+        Some(light)
     }
 }
 
