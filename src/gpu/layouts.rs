@@ -479,6 +479,7 @@ fn flags_are_the_shaders() {
 fn limits_of_surfaces_are_the_shaders() {
     let light = module(&passes::surfaces::light::LIGHT, RayInputs::default(), RayTier::Software);
     assert_eq!(constant(&light, "DAA_MOST_TAPS"), crate::Surfaces::MOST_TAPS);
+    assert_eq!(u64::from(constant(&light, "DAA_CORNER_WORDS")), crate::gpu::sizes::CORNER_WORDS);
     let (members, _) = wgsl_layout(&light, "DaaWindowList");
     let slots = members.iter().find(|(name, ..)| name == "slots").expect("slots");
     assert_eq!(u64::from(slots.1), crate::gpu::sizes::SURFACE_LIST_HEAD_BYTES);

@@ -89,8 +89,11 @@ impl Results {
 /// The bytes of `DaaWindowList` of light.wgsl before its slots.
 pub(crate) const SURFACE_LIST_HEAD_BYTES: u64 = 16;
 
-/// The bytes of what the corners of a tile's four blocks know: `DAA_CORNER_WORDS` of light.wgsl for each of 16.
-const CORNERS_BYTES: u64 = 16 * 14 * 4;
+/// `DAA_CORNER_WORDS` of light.wgsl: the number of words for a corner of a block.
+pub(crate) const CORNER_WORDS: u64 = 14;
+
+/// The bytes of what the corners of a tile's four blocks know.
+const CORNERS_BYTES: u64 = 16 * CORNER_WORDS * 4;
 
 /// The number of words for the surfaces of a window: masks.wgsl. A set of ranks has a word, or two.
 fn surface_words(m: u32) -> u64 {

@@ -13,10 +13,11 @@ pub struct Shading<'a> {
     /// [`Technique::Surfaces`](crate::Technique::Surfaces) lets pixels share light and keep their colours
     /// ([`block_spread`](crate::Surfaces::block_spread)).
     ///
-    /// Four functions are optional. `fn spread(s: DaaSample, m: DaaMaterial) -> DaaSpread` says which samples `Surfaces`
-    /// may light together, for materials that mean other things than the contract's names. `fn sky(s: DaaSample) -> vec4f` shades samples without a surface; without it the
-    /// sky is transparent black. For rays, `fn reflection(s: DaaSample) -> DaaReflection` says what a surface reflects
-    /// and refracts, and `fn solid(material: u32, uv: vec2f) -> bool` whether a masked mesh stops a ray.
+    /// Four functions are optional. `fn sky(s: DaaSample) -> vec4f` shades samples without a surface; without it the sky
+    /// is transparent black. `fn spread(s: DaaSample, m: DaaMaterial) -> DaaSpread` says which samples `Surfaces` may
+    /// light together, for materials that mean other things than the contract's names. For rays,
+    /// `fn reflection(s: DaaSample) -> DaaReflection` says what a surface reflects and refracts, and
+    /// `fn solid(material: u32, uv: vec2f) -> bool` whether a masked mesh stops a ray.
     ///
     /// Its resources are bound at [`HOST_GROUP`](crate::HOST_GROUP). `shaders/contract.wgsl` has everything that it may
     /// use.

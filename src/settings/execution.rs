@@ -8,7 +8,7 @@ pub enum Execution {
     /// the most samples.
     Loop,
     /// A workgroup shades the samples of an 8 × 8 tile end to end, with every lane busy. Builds no list, so it needs no
-    /// memory for one.
+    /// memory for one. Lanes sum up parts of a window, so that its colour may be rounded otherwise than by the others.
     Tiled,
     /// One dispatch for each k, over the pixels that have it, like the stencil variant of Holländer et al., which draws
     /// one quad for each k.

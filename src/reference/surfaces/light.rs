@@ -274,7 +274,7 @@ impl Window<'_> {
         let corner = first.filter(|first| first.at_once).and_then(|first| {
             let all: Vec<usize> = (0..first.taps.len()).collect();
             let (light, color) = self.lit_group(&first.taps, &all, 1.0);
-            let (position, _) = self.taps(&ranks, 1).first().and_then(place)?;
+            let &Tap::Surface { position, .. } = self.taps(&ranks, 1).first()? else { return None };
             let is_good = color.iter().all(|c| c.is_finite() && *c >= 0.0);
             self.as_corner(&first.taps).filter(|_| is_good).map(|corner| Corner { light, position, ..corner })
         });
@@ -514,14 +514,6 @@ fn mean_colors(taps: &[Tap]) -> Material {
         }
     }
     mean
-}
-
-/// The position and the normal of a tap on a surface.
-fn place(tap: &Tap) -> Option<(DVec3, DVec3)> {
-    match tap {
-        Tap::Sky(_) => None,
-        Tap::Surface { position, normal, .. } => Some((*position, *normal)),
-    }
 }
 
 fn bits(tap: &Tap) -> u32 {
