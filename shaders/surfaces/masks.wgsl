@@ -4,7 +4,8 @@
 // - Bits 0 to 2: the number of surfaces, 0 where the window is not shown.
 // - Bit 3: whether samples were merged into the last surface although they do not belong to it.
 // - Bit 4: whether the window is lit, or not shown.
-// - Bits 5 to 7: the number of surfaces that take their light from the corners of a block.
+// - Bits 5 to 7: the number of surfaces that take their light from the corners of a block. Until the window is lit, bit 5
+//   says whether its surface is cut into groups.
 // - Bits 8 to 14: the number of lights.
 // - Bits 16 to 31: the number of taps so far.
 // Then, for the samples of each window, three bits of the surface's label: each of the three is a set of ranks. Then the
@@ -36,6 +37,16 @@ fn daa_surface_taps(word: u32) -> u32 {
 
 fn daa_surface_interpolated(word: u32) -> u32 {
     return (word >> 5u) & 7u;
+}
+
+/// Whether the surface of a window that is not lit is cut into groups.
+fn daa_surface_is_apart(word: u32) -> bool {
+    return (word & 32u) != 0u;
+}
+
+/// The word of a window of one surface that so many taps could not light.
+fn daa_surface_word_read(word: u32, taps: u32, apart: bool) -> u32 {
+    return (word & 15u) | select(0u, 32u, apart) | (taps << 16u);
 }
 
 fn daa_surface_word_lit(word: u32, lights: u32, taps: u32, interpolated: u32) -> u32 {

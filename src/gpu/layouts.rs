@@ -483,6 +483,9 @@ fn limits_of_surfaces_are_the_shaders() {
     let (members, _) = wgsl_layout(&light, "DaaWindowList");
     let slots = members.iter().find(|(name, ..)| name == "slots").expect("slots");
     assert_eq!(u64::from(slots.1), crate::gpu::sizes::SURFACE_LIST_HEAD_BYTES);
+    assert_eq!(constant(&light, "DAA_LIST_SLOTS") * 4, slots.1);
+    let head = |name| members.iter().find(|m| m.0 == name).map(|m| u64::from(m.1));
+    assert_eq!([head("one"), head("several")], [Some(0), Some(passes::surfaces::light::SEVERAL_AT)]);
 }
 
 #[test]
@@ -513,11 +516,14 @@ fn workgroups_are_the_shaders() {
         ("daa_refine_judge", tile),
         ("daa_refine_main", tile),
         ("daa_cover_main", tile),
+        ("daa_light_between", [192, 1, 1]),
+        ("daa_light_corners", tile),
         ("daa_light_count", flat),
         ("daa_light_cut", [32, 1, 1]),
+        ("daa_light_group", [32, 1, 1]),
         ("daa_light_list", flat),
-        ("daa_light_listed", [32, 1, 1]),
-        ("daa_light_one", tile),
+        ("daa_light_one", [32, 1, 1]),
+        ("daa_light_several", [32, 1, 1]),
         ("daa_list_count_pixels", flat),
         ("daa_list_count_samples", flat),
         ("daa_list_pixels", flat),
@@ -571,6 +577,8 @@ fn workgroups_are_the_grids() {
                 Grid::Tiles => &[flat, tile],
                 // Lanes of a block of points may be counted along one side, or both.
                 Grid::Points(_) => &[flat, tile],
+                // A lane for each of four corners of a block of 4 × 4, or for each of the twelve between.
+                Grid::Pixels(16) => &[tile, [192, 1, 1]],
                 Grid::Pixels(_) | Grid::Samples | Grid::Parents | Grid::Cells => &[tile],
                 Grid::Target | Grid::Depth => unreachable!("drawn"),
             };

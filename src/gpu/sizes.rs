@@ -87,7 +87,7 @@ impl Results {
 }
 
 /// The bytes of `DaaWindowList` of light.wgsl before its slots.
-pub(crate) const SURFACE_LIST_HEAD_BYTES: u64 = 16;
+pub(crate) const SURFACE_LIST_HEAD_BYTES: u64 = 32;
 
 /// `DAA_CORNER_WORDS` of light.wgsl: the number of words for a corner of a block.
 pub(crate) const CORNER_WORDS: u64 = 14;

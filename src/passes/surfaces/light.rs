@@ -13,6 +13,9 @@ static MODULE: Module = Module {
         chunk::RESULTS_PLANNED,
         chunk::DISPLAY,
         chunk::MASKS,
+        chunk::TAPS,
+        chunk::GROUPS,
+        chunk::BLOCKS,
         chunk::HISTOGRAM,
         include_str!("../../../shaders/surfaces/light.wgsl"),
     ],
@@ -32,10 +35,18 @@ const fn bindings(traced: bool) -> [Binding; 8] {
     ]
 }
 
+/// The offset of `DaaWindowList::several`.
+pub(crate) const SEVERAL_AT: u64 = 16;
+
 const STAGES: &[Stage] = &[
     Stage {
-        entry: "daa_light_one",
-        grid: Grid::Tiles,
+        entry: "daa_light_corners",
+        grid: Grid::Pixels(16),
+        without: &["daa_list_out", "daa_list", "daa_cut_list_out", "daa_cut_list"],
+    },
+    Stage {
+        entry: "daa_light_between",
+        grid: Grid::Pixels(16),
         without: &["daa_list_out", "daa_list", "daa_cut_list_out", "daa_cut_list"],
     },
     Stage {
@@ -44,14 +55,24 @@ const STAGES: &[Stage] = &[
         without: &["daa_plan", "daa_color", "daa_statistics", "daa_list", "daa_cut_list"],
     },
     Stage {
-        entry: "daa_light_listed",
+        entry: "daa_light_one",
         grid: Grid::Indirect { part: Part::SurfaceList, offset: 0 },
         without: &["daa_list_out", "daa_cut_list"],
+    },
+    Stage {
+        entry: "daa_light_group",
+        grid: Grid::Indirect { part: Part::SurfaceCutList, offset: 0 },
+        without: &["daa_color", "daa_list_out", "daa_list", "daa_cut_list_out"],
     },
     Stage {
         entry: "daa_light_cut",
         grid: Grid::Indirect { part: Part::SurfaceCutList, offset: 0 },
         without: &["daa_list_out", "daa_list", "daa_cut_list_out"],
+    },
+    Stage {
+        entry: "daa_light_several",
+        grid: Grid::Indirect { part: Part::SurfaceList, offset: SEVERAL_AT },
+        without: &["daa_list_out", "daa_cut_list_out", "daa_cut_list"],
     },
     Stage {
         entry: "daa_light_count",

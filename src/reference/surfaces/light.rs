@@ -233,11 +233,14 @@ pub struct Window<'a> {
     pub block: Option<Block<'a>>,
 }
 
-/// The first taps of a window of one surface, or all, and whether they may be lit at once.
-struct First {
+/// The first taps of a window of one surface, or all.
+struct Whole {
     taps: Vec<Tap>,
     read: u32,
-    at_once: bool,
+    /// Whether they are too far apart to share a light.
+    apart: bool,
+    /// Whether they are too few.
+    coarse: bool,
 }
 
 impl Window<'_> {
@@ -270,13 +273,13 @@ impl Window<'_> {
     pub fn corner(&self) -> (Option<Corner>, f64) {
         let mut decided = Decided { margin: f64::INFINITY };
         let ranks: Vec<usize> = (0..self.order.len()).collect();
-        let first = (self.covered.surfaces == 1).then(|| self.first(&ranks, &mut decided));
-        let corner = first.filter(|first| first.at_once).and_then(|first| {
-            let all: Vec<usize> = (0..first.taps.len()).collect();
-            let (light, color) = self.lit_group(&first.taps, &all, 1.0);
+        let whole = (self.covered.surfaces == 1).then(|| self.whole(&ranks, self.settings.first_taps, &mut decided));
+        let corner = whole.filter(|whole| !whole.apart && !whole.coarse).and_then(|whole| {
+            let all: Vec<usize> = (0..whole.taps.len()).collect();
+            let (light, color) = self.lit_group(&whole.taps, &all, 1.0);
             let &Tap::Surface { position, .. } = self.taps(&ranks, 1).first()? else { return None };
             let is_good = color.iter().all(|c| c.is_finite() && *c >= 0.0);
-            self.as_corner(&first.taps).filter(|_| is_good).map(|corner| Corner { light, position, ..corner })
+            self.as_corner(&whole.taps).filter(|_| is_good).map(|corner| Corner { light, position, ..corner })
         });
         (corner, decided.margin)
     }
@@ -292,12 +295,11 @@ impl Window<'_> {
         Some(Corner { light: Light::default(), spread, position, normal, identity, shadow })
     }
 
-    /// Reads the first taps of a window of one surface. At a corner of a block that is all of them if the first are not
-    /// alike.
-    fn first(&self, ranks: &[usize], decided: &mut Decided) -> First {
+    /// Reads a window of one surface at some taps. At a corner of a block it is read at all if those are too few.
+    fn whole(&self, ranks: &[usize], first: u32, decided: &mut Decided) -> Whole {
         let s = self.settings;
-        let all = ranks.len().min(s.taps as usize).min(MOST_TAPS);
-        let mut count = all.min(s.first_taps as usize);
+        let all = self.most_taps(ranks);
+        let mut count = all.min(first as usize);
         let mut read = 0;
         // The shadow bits of all samples are there to be read.
         let every: Vec<u32> = self.taps(ranks, ranks.len()).iter().map(bits).collect();
@@ -305,50 +307,70 @@ impl Window<'_> {
         loop {
             let taps = self.taps(ranks, count);
             read += count as u32;
+            if taps.iter().all(|tap| matches!(tap, Tap::Sky(_))) {
+                return Whole { taps, read, apart: false, coarse: false };
+            }
             let d = self.spread(&taps).0;
-            let is_sky = taps.iter().all(|tap| matches!(tap, Tap::Sky(_)));
-            let spread = d.iter().sum::<f64>();
             let limit = f64::from(s.tap_spread) * ((count as f64).max(2.0) - 1.0);
-            let coarse = !is_sky && count < all && decided.above(spread, limit);
-            let deviation = light_deviation(&d) / count as f64;
-            let apart = !is_sky && s.groups > 1 && decided.above(deviation, f64::from(s.spread));
-            let alike = is_sky || !(apart || mixed);
-            if alike && coarse && self.block.is_some_and(|block| block.is_corner()) {
+            let few = count < all && decided.above(d.iter().sum(), limit);
+            let spreads = s.groups > 1 && decided.above(light_deviation(&d) / count as f64, f64::from(s.spread));
+            let apart = s.groups > 1 && (spreads || mixed);
+            let coarse = count < all && (few || mixed);
+            if !apart && coarse && self.block.is_some_and(|block| block.is_corner()) {
                 count = all;
                 continue;
             }
-            return First { taps, read, at_once: alike && !coarse };
+            return Whole { taps, read, apart, coarse };
         }
+    }
+
+    fn most_taps(&self, ranks: &[usize]) -> usize {
+        ranks.len().min(self.settings.taps as usize).min(MOST_TAPS)
     }
 
     /// The colours of a surface's groups, with their shares of the window.
     fn surface(&self, ranks: &[usize], lit: &mut Lit, decided: &mut Decided) -> Vec<([f64; 4], f64)> {
-        let all = ranks.len().min(self.settings.taps as usize).min(MOST_TAPS);
-        let first = (self.covered.surfaces == 1).then(|| self.first(ranks, decided));
-        lit.taps += first.as_ref().map_or(0, |first| first.read);
-        let at_once = first.filter(|first| first.at_once);
-        let is_lit_first = at_once.is_some() && self.block.is_some_and(|block| block.is_corner());
-        let is_alike = at_once.is_some();
-        let taps = at_once.map_or_else(|| self.taps(ranks, all), |first| first.taps);
+        let all = self.most_taps(ranks);
+        let (taps, apart, at_corner);
+        if self.covered.surfaces == 1 {
+            let mut whole = self.whole(ranks, self.settings.first_taps, decided);
+            lit.taps += whole.read;
+            at_corner = !whole.apart && !whole.coarse && self.block.is_some_and(|block| block.is_corner());
+            if whole.coarse && !whole.apart {
+                whole = self.whole(ranks, all as u32, decided);
+                lit.taps += whole.read;
+            }
+            if whole.apart {
+                // To find the groups.
+                whole.taps = self.taps(ranks, all);
+                lit.taps += all as u32;
+            }
+            (taps, apart) = (whole.taps, whole.apart);
+        } else {
+            taps = self.taps(ranks, all);
+            lit.taps += all as u32;
+            at_corner = false;
+            let (d, mixed) = self.spread(&taps);
+            let share = ranks.len() as f64 / (self.order.len() * all) as f64;
+            let spreads = decided.above(light_deviation(&d) * share, f64::from(self.settings.spread));
+            apart = self.settings.groups > 1 && (spreads || mixed);
+        }
         let share = ranks.len() as f64 / (self.order.len() * taps.len()) as f64;
         let coverage = |group: &[usize]| share * group.len() as f64;
-        let mut groups = vec![(0..taps.len()).collect()];
-        if !is_alike {
-            lit.taps += taps.len() as u32;
-            groups = self.groups(&taps, share, decided);
-            if groups.len() > 1 {
-                lit.taps += taps.len() as u32;
-            }
+        if apart {
+            // To light them.
+            lit.taps += all as u32;
+            let groups = self.groups(&taps, share, decided);
+            lit.lights += groups.len() as u32;
+            return groups.iter().map(|g| (self.lit_group(&taps, g, coverage(g)).1, coverage(g))).collect();
         }
-        if groups.len() == 1
-            && !is_lit_first
-            && let Some(color) = self.interpolated(&taps, decided)
-        {
+        let one: Vec<usize> = (0..taps.len()).collect();
+        if !at_corner && let Some(color) = self.interpolated(&taps, decided) {
             lit.interpolated += 1;
-            return vec![(color, coverage(&groups[0]))];
+            return vec![(color, coverage(&one))];
         }
-        lit.lights += groups.len() as u32;
-        groups.iter().map(|group| (self.lit_group(&taps, group, coverage(group)).1, coverage(group))).collect()
+        lit.lights += 1;
+        vec![(self.lit_group(&taps, &one, coverage(&one)).1, coverage(&one))]
     }
 
     /// The colour of a surface by light from the corners of its block.
@@ -395,14 +417,8 @@ impl Window<'_> {
 
     /// The groups of taps that share a light, as indices of taps.
     fn groups(&self, taps: &[Tap], share: f64, decided: &mut Decided) -> Vec<Vec<usize>> {
-        let all: Vec<usize> = (0..taps.len()).collect();
-        let (d, mixed) = self.spread(taps);
-        let apart = decided.above(light_deviation(&d) * share, f64::from(self.settings.spread)) || mixed;
-        if self.settings.groups == 1 || !apart {
-            return vec![all];
-        }
         let spreads: Vec<Spread> = taps.iter().map(|tap| self.spread_of(tap)).collect();
-        let mut groups = vec![all];
+        let mut groups = vec![(0..taps.len()).collect::<Vec<usize>>()];
         let mut i = 0;
         while i < groups.len() && groups.len() < self.settings.groups as usize {
             match self.cut(taps, &spreads, &groups[i], share, decided) {
