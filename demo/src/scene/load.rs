@@ -20,7 +20,7 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::path::Path;
 
-use glam::{Mat4, Vec3};
+use glam::Vec3;
 use gltf::json::Root;
 
 use self::accessor::Document;
@@ -39,6 +39,7 @@ pub const SUPPORTED_EXTENSIONS: &[&str] = &[
     "KHR_materials_unlit",
     "KHR_materials_volume",
     "KHR_mesh_quantization",
+    "KHR_node_visibility",
     "KHR_texture_transform",
 ];
 
@@ -61,12 +62,7 @@ fn parse(file: &[u8], path: &Path, scene_index: Option<usize>) -> Result<Scene, 
     let folder = path.parent().unwrap_or(Path::new(""));
     let (json, bin) = container::split(file)?;
     let mut tree: serde_json::Value = serde_json::from_slice(json)?;
-    // A scene without nodes is empty, and the parser wants that said.
-    for scene in tree.get_mut("scenes").and_then(|s| s.as_array_mut()).into_iter().flatten() {
-        if let Some(scene) = scene.as_object_mut() {
-            scene.entry("nodes").or_insert_with(|| serde_json::Value::Array(Vec::new()));
-        }
-    }
+    let animations = leave_out_the_unused(&mut tree);
     let root: Root = serde_json::from_value(tree)?;
     let mut notices = Vec::new();
     check_version(&root)?;
@@ -75,13 +71,39 @@ fn parse(file: &[u8], path: &Path, scene_index: Option<usize>) -> Result<Scene, 
     let document = Document { root, buffers };
 
     let placed = nodes::walk(&document.root, scene_index, &mut notices)?;
-    note_the_static(&document.root, &placed, &mut notices);
+    note_the_static(&document.root, &placed, animations, &mut notices);
     let mut assembly = Assembly::new(&document);
-    for (number, world) in placed {
-        assembly.add_node(number, world)?;
+    for node in placed {
+        assembly.add_node(node)?;
     }
     assembly.notices.splice(0..0, notices);
     assembly.finish(path, folder)
+}
+
+/// Takes out of the JSON what the parser has stricter types for than glTF, and says how many animations there are.
+fn leave_out_the_unused(tree: &mut serde_json::Value) -> usize {
+    // A scene without nodes is empty, and the parser wants that said.
+    for scene in tree.get_mut("scenes").and_then(|s| s.as_array_mut()).into_iter().flatten() {
+        if let Some(scene) = scene.as_object_mut() {
+            scene.entry("nodes").or_insert_with(|| serde_json::Value::Array(Vec::new()));
+        }
+    }
+    leave_out_extras(tree);
+    // Channels may lack a node, for one, where an extension says what they move.
+    let animations = tree.as_object_mut().and_then(|root| root.remove("animations"));
+    animations.as_ref().and_then(|animations| animations.as_array()).map_or(0, Vec::len)
+}
+
+/// `extras` may be any JSON.
+fn leave_out_extras(tree: &mut serde_json::Value) {
+    match tree {
+        serde_json::Value::Object(members) => {
+            members.remove("extras");
+            members.values_mut().for_each(leave_out_extras);
+        }
+        serde_json::Value::Array(elements) => elements.iter_mut().for_each(leave_out_extras),
+        _ => {}
+    }
 }
 
 fn check_version(root: &Root) -> Result<(), Problem> {
@@ -124,11 +146,11 @@ fn buffers<'a>(root: &Root, bin: Option<&'a [u8]>, folder: &Path) -> Result<Vec<
 }
 
 /// Notes what moves in the file and stands still here.
-fn note_the_static(root: &Root, placed: &[nodes::Placed], notices: &mut Vec<String>) {
-    if !root.animations.is_empty() {
-        notices.push(format!("{} animations ignored", root.animations.len()));
+fn note_the_static(root: &Root, placed: &[nodes::Placed], animations: usize, notices: &mut Vec<String>) {
+    if animations > 0 {
+        notices.push(format!("{animations} animations ignored"));
     }
-    let drawn = || placed.iter().filter_map(|&(node, _)| root.nodes.get(node));
+    let drawn = || placed.iter().filter(|node| node.visible).filter_map(|node| root.nodes.get(node.number));
     if drawn().any(|node| node.skin.is_some() && node.mesh.is_some()) {
         notices.push("skins ignored, meshes stand in their bind pose".to_owned());
     }
@@ -169,8 +191,9 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    fn add_node(&mut self, number: usize, world: Mat4) -> Result<(), Problem> {
+    fn add_node(&mut self, placed: nodes::Placed) -> Result<(), Problem> {
         let root = &self.document.root;
+        let nodes::Placed { number, world, visible } = placed;
         let node = &root.nodes[number];
         let place = label("node", number, node.name.as_deref());
         let dangling = |kind, index, count| Problem::Reference { from: place.clone(), kind, index, count };
@@ -181,6 +204,9 @@ impl<'a> Assembly<'a> {
                 Some(camera) => self.cameras.push(camera),
                 None => self.notices.push(format!("{place}: camera {index} ignored, it is degenerate")),
             }
+        }
+        if !visible {
+            return Ok(());
         }
         if let Some(light) = node.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref()) {
             let lights: &[gltf::json::extensions::scene::khr_lights_punctual::Light] = root.as_ref();

@@ -11,7 +11,7 @@ const HEADER_LEN: usize = 12;
 pub(super) fn split(file: &[u8]) -> Result<(&[u8], Option<&[u8]>), Problem> {
     if !file.starts_with(MAGIC) {
         // Byte order marks are forbidden, common and harmless.
-        return Ok((file.strip_prefix(b"\xef\xbb\xbf").unwrap_or(file), None));
+        return Ok((unpadded(file.strip_prefix(b"\xef\xbb\xbf").unwrap_or(file)), None));
     }
     let broken = |reason: &str| Problem::Container { reason: reason.to_owned() };
 
@@ -38,7 +38,13 @@ pub(super) fn split(file: &[u8]) -> Result<(&[u8], Option<&[u8]>), Problem> {
             _ => {}
         }
     }
-    Ok((json, bin))
+    Ok((unpadded(json), bin))
+}
+
+/// The text without what pads it: spaces, or the zeros that some writers use.
+fn unpadded(json: &[u8]) -> &[u8] {
+    let end = json.iter().rposition(|byte| *byte != 0 && !byte.is_ascii_whitespace()).map_or(0, |last| last + 1);
+    &json[..end]
 }
 
 /// Takes a chunk's type and data off the front.
@@ -73,7 +79,17 @@ mod tests {
     #[test]
     fn chunks_are_found_and_unknown_ones_skipped() {
         let file = glb(&[(JSON, b"{}  "), (7, b"junk"), (BIN, b"data")]);
-        assert_eq!(split(&file).unwrap(), (&b"{}  "[..], Some(&b"data"[..])));
+        assert_eq!(split(&file).unwrap(), (&b"{}"[..], Some(&b"data"[..])));
+    }
+
+    #[test]
+    fn json_may_be_padded_with_zeros() {
+        for padded in [&b"{}\0\0"[..], b"{} \n", b"{}\0 \0\r\n"] {
+            assert_eq!(split(&glb(&[(JSON, padded)])).unwrap().0, b"{}");
+            assert_eq!(split(padded).unwrap().0, b"{}");
+        }
+        assert_eq!(split(b"{\0}").unwrap().0, b"{\0}", "inside it is the parser's to refuse");
+        assert_eq!(split(b"\0").unwrap().0, b"");
     }
 
     #[test]

@@ -13,17 +13,23 @@ use super::limits::{MAX_INSTANCES, label};
 /// Larger elements would overflow as soon as they are multiplied.
 const MAX_ELEMENT: f32 = 1e30;
 
-/// A node's number and its world-from-node matrix.
-pub(super) type Placed = (usize, Mat4);
+/// A node of the scene.
+pub(super) struct Placed {
+    pub number: usize,
+    /// The world-from-node matrix.
+    pub world: Mat4,
+    /// Whether its mesh and its light are shown: KHR_node_visibility hides a node with all below it. Cameras stay.
+    pub visible: bool,
+}
 
 /// All nodes of scene `wanted` (or the default one, or all trees of a file without scenes), parents first.
 pub(super) fn walk(root: &Root, wanted: Option<usize>, notices: &mut Vec<String>) -> Result<Vec<Placed>, Problem> {
     let roots = roots(root, wanted)?;
-    let mut stack: Vec<(usize, Mat4, Option<usize>)> =
-        roots.into_iter().rev().map(|node| (node, Mat4::IDENTITY, None)).collect();
+    let mut stack: Vec<(usize, Mat4, bool, Option<usize>)> =
+        roots.into_iter().rev().map(|node| (node, Mat4::IDENTITY, true, None)).collect();
     let mut seen = vec![false; root.nodes.len()];
     let mut placed = Vec::new();
-    while let Some((number, world_from_parent, parent)) = stack.pop() {
+    while let Some((number, world_from_parent, parent_visible, parent)) = stack.pop() {
         let Some(node) = root.nodes.get(number) else {
             let from = parent.map_or("the scene".to_owned(), |parent| format!("node {parent}"));
             return Err(Problem::Reference { from, kind: "node", index: number, count: root.nodes.len() });
@@ -36,9 +42,10 @@ pub(super) fn walk(root: &Root, wanted: Option<usize>, notices: &mut Vec<String>
         if !is_sane(&world_from_node) {
             return Err(Problem::Transform { place });
         }
-        placed.push((number, world_from_node));
+        let visible = parent_visible && is_visible(node);
+        placed.push(Placed { number, world: world_from_node, visible });
         let children = node.children.iter().flatten().rev();
-        stack.extend(children.map(|child| (child.value(), world_from_node, Some(number))));
+        stack.extend(children.map(|child| (child.value(), world_from_node, visible, Some(number))));
     }
     Ok(placed)
 }
@@ -95,13 +102,18 @@ fn is_sane(matrix: &Mat4) -> bool {
     matrix.to_cols_array().iter().all(|element| element.abs() <= MAX_ELEMENT)
 }
 
+fn is_visible(node: &Node) -> bool {
+    extension(node, "KHR_node_visibility").and_then(|extension| extension.get("visible")?.as_bool()).unwrap_or(true)
+}
+
+/// An extension of a node that the parser has no type for.
+fn extension<'a>(node: &'a Node, name: &str) -> Option<&'a serde_json::Value> {
+    node.extensions.as_ref().and_then(|extensions: &extensions::scene::Node| extensions.others.get(name))
+}
+
 /// The world matrices under which a node's mesh is drawn: its own, or those of EXT_mesh_gpu_instancing.
 pub(super) fn copies(document: &Document, node: &Node, place: &str, world: Mat4) -> Result<Vec<Mat4>, Problem> {
-    let attributes = node
-        .extensions
-        .as_ref()
-        .and_then(|extensions: &extensions::scene::Node| extensions.others.get("EXT_mesh_gpu_instancing"))
-        .and_then(|extension| extension.get("attributes"));
+    let attributes = extension(node, "EXT_mesh_gpu_instancing").and_then(|extension| extension.get("attributes"));
     let Some(attributes) = attributes else { return Ok(vec![world]) };
 
     let read = |name: &str, dimensions: usize| {

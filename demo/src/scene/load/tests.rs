@@ -408,6 +408,53 @@ fn gpu_instancing_makes_copies() {
     assert_eq!((xs, scene.meshes.len()), (vec![1.0, 2.0], 1));
 }
 
+#[test]
+fn hidden_nodes_hide_all_below_them_but_cameras() {
+    let hidden = |visible: bool| json!({ "KHR_node_visibility": { "visible": visible } });
+    let light = json!({ "KHR_lights_punctual": { "light": 0 }, "KHR_node_visibility": { "visible": false } });
+    let mut model = Model::triangle();
+    model.0["extensions"] = json!({ "KHR_lights_punctual": { "lights": [{ "type": "point", "intensity": 3 }] } });
+    model.0["extensionsRequired"] = json!(["KHR_node_visibility"]);
+    model.0["cameras"] = json!([{ "type": "perspective", "perspective": { "yfov": 0.7, "znear": 0.25 } }]);
+    model.0["nodes"] = json!([
+        { "mesh": 0 },
+        { "mesh": 0, "extensions": hidden(false), "children": [2, 3] },
+        { "mesh": 0, "extensions": hidden(true) },
+        { "camera": 0 },
+        { "extensions": light },
+        { "mesh": 0, "extensions": hidden(true) },
+        { "mesh": 0, "extensions": { "KHR_node_visibility": {} } },
+    ]);
+    let scene = model.scene();
+    assert_eq!((scene.instances.len(), scene.cameras.len()), (3, 1));
+    assert!(scene.sun.is_some(), "no light of the file's own is left, so the default ones shine");
+    assert!(scene.notices.is_empty(), "{:?}", scene.notices);
+}
+
+/// glTF 2.0, "extras": any JSON. An animation's channel may lack its node.
+#[test]
+fn what_is_not_drawn_may_be_of_any_form() {
+    for extras in [json!("rev 3"), json!(7), json!([1, { "a": null }]), json!(null), json!({ "extras": [] })] {
+        let mut model = Model::triangle();
+        model.0["materials"] = json!([{ "extras": extras, "pbrMetallicRoughness": { "extras": extras } }]);
+        model.primitive()["material"] = 0.into();
+        model.primitive()["extras"] = extras.clone();
+        for place in ["asset", "nodes", "meshes", "accessors", "buffers", "bufferViews"] {
+            let place = &mut model.0[place];
+            let object = if place.is_array() { &mut place[0] } else { place };
+            object["extras"] = extras.clone();
+        }
+        model.0["extras"] = extras;
+        model.0["animations"] = json!([
+            { "channels": [{ "sampler": 0, "target": { "path": "scale" } }], "samplers": [{ "input": 0, "output": 0 }] },
+            { "channels": [{ "target": { "path": "pointer", "extensions": {} } }] },
+        ]);
+        let scene = model.scene();
+        assert_eq!(scene.instances.len(), 1);
+        assert_eq!(scene.notices, ["2 animations ignored"]);
+    }
+}
+
 // ---- Cameras and lights ----
 
 #[test]
