@@ -86,8 +86,10 @@ pub fn frame_camera(scene: &Scene) -> Camera {
     let bounds = scene.bounds().unwrap_or(Bounds { min: Vec3::NEG_ONE, max: Vec3::ONE });
     let bounds = Bounds { min: bounds.min.clamp(-MOST, MOST), max: bounds.max.clamp(-MOST, MOST) };
     let centre = bounds.centre();
-    // A single point has no size, and far from the origin floats cannot tell small distances apart.
-    let radius = bounds.radius().max(centre.abs().max_element() * 1e-4).max(1e-4);
+    // A single point has no size, squares of less would be lost, and far from the origin floats cannot tell small
+    // distances apart.
+    let size = Some(bounds.radius()).filter(|radius| *radius > 1e-12).unwrap_or(1e-4);
+    let radius = size.max(centre.abs().max_element() * 1e-6);
 
     let back = FROM.normalize();
     let right = Vec3::Y.cross(back).normalize();
@@ -104,7 +106,8 @@ pub fn frame_camera(scene: &Scene) -> Camera {
         target: centre,
         up: Vec3::Y,
         lens: Lens::Perspective { fov_y: FOV_Y },
-        near: radius * 1e-2,
+        // Depth is as precise however near this is, and someone may look at a room in a large landscape.
+        near: radius * 1e-5,
     }
 }
 
@@ -144,5 +147,19 @@ mod tests {
             }
         }
         assert!(frame_camera(&Scene::default()).eye.is_finite());
+    }
+
+    #[test]
+    fn small_and_distant_scenes_fill_the_view_as_others_do() {
+        for (size, centre) in [(1.0, 0.0), (1e-6, 0.0), (1e-9, 0.0), (4000.0, 0.0), (40.0, 1.3e7), (10.0, -5e6)] {
+            let instance = Instance { mesh: 0, world_from_mesh: Mat4::from_translation(Vec3::X * centre), object: 1 };
+            let mesh = Mesh { positions: vec![Vec3::splat(-size), Vec3::splat(size)], ..Mesh::default() };
+            let scene = Scene { meshes: vec![mesh], instances: vec![instance], ..Scene::default() };
+            let camera = frame_camera(&scene);
+            let bounds = scene.bounds().unwrap();
+            let distance = camera.eye.distance(bounds.centre()) / bounds.radius();
+            assert!((2.0..4.5).contains(&distance), "{size} at {centre}: {distance} radii away");
+            assert!(camera.near <= bounds.radius() * 1e-4, "{size} at {centre}: {}", camera.near);
+        }
     }
 }

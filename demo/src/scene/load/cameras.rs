@@ -30,8 +30,8 @@ pub(super) fn convert(camera: &camera::Camera, world: Mat4) -> Option<Camera> {
         if !usable {
             return None;
         }
-        // glTF allows a near plane of zero here.
-        (Lens::Orthographic { half_height, far }, orthographic.znear.max(far.abs() * 1e-5))
+        // glTF allows a near plane of zero here. How far the view reaches says nothing of what stands before the eye.
+        (Lens::Orthographic { half_height, far }, orthographic.znear.max((half_height * 1e-4).min(far * 0.5)))
     };
     let near = if near.is_finite() && near > 0.0 { near } else { 0.01 };
     (Vec3::is_finite(target)).then_some(Camera { eye, target, up, lens, near })

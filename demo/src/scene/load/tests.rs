@@ -465,12 +465,17 @@ fn cameras_stand_in_the_world() {
         { "type": "perspective", "perspective": { "yfov": 0.7, "znear": 0.25 } },
         { "type": "orthographic", "orthographic": { "xmag": 2, "ymag": 3, "znear": 0, "zfar": 100 } },
         { "type": "perspective", "perspective": { "yfov": 0.0, "znear": 0.25 } },
+        { "type": "orthographic", "orthographic": { "xmag": 3, "ymag": 2.25, "znear": 0, "zfar": 1e6 } },
+        { "type": "orthographic", "orthographic": { "xmag": 3e4, "ymag": 3e4, "znear": 0, "zfar": 1 } },
     ]);
     model.0["nodes"] = json!([
         { "camera": 0, "translation": [1, 2, 3], "rotation": turn.to_array() }, { "camera": 1 }, { "camera": 2 },
+        { "camera": 3 }, { "camera": 4 },
     ]);
     let scene = model.scene();
-    assert_eq!(scene.cameras.len(), 2);
+    assert_eq!(scene.cameras.len(), 4);
+    assert!(scene.cameras[2].near < 0.01, "a far plane of 1e6 takes nothing away");
+    assert!(scene.cameras[3].near < 1.0);
     let camera = scene.default_camera();
     assert_eq!((camera.eye, camera.near), (Vec3::new(1.0, 2.0, 3.0), 0.25));
     assert!((camera.target - camera.eye).normalize().distance(Vec3::NEG_X) < 1e-6);
