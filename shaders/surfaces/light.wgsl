@@ -30,7 +30,9 @@ struct DaaWindowList {
     slots: array<u32>,
 }
 
-/// The position of its slots in words.
+/// The positions of the two counts and of the slots, in words.
+const DAA_LIST_ONE_COUNT: u32 = 3u;
+const DAA_LIST_SEVERAL_COUNT: u32 = 7u;
 const DAA_LIST_SLOTS: u32 = 8u;
 /// The number of workgroups in a row of the dispatch.
 const DAA_LIST_ROW: u32 = 16u;
@@ -249,7 +251,7 @@ fn daa_light_list(@builtin(global_invocation_id) id: vec3u) {
 @compute @workgroup_size(32)
 fn daa_light_one(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
     let index = daa_list_index(group, lane);
-    if index >= daa_list[3] {
+    if index >= daa_list[DAA_LIST_ONE_COUNT] {
         return;
     }
     let slot = daa_list[DAA_LIST_SLOTS + index];
@@ -267,14 +269,24 @@ fn daa_light_one(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_
     }
 }
 
+const DAA_NO_SLOT: u32 = 0xffffffffu;
+
+/// The window that is cut by a lane.
+fn daa_cut_slot(group: vec3u, lane: u32) -> u32 {
+    let index = daa_list_index(group, lane);
+    if index >= daa_cut_list[DAA_LIST_ONE_COUNT] {
+        return DAA_NO_SLOT;
+    }
+    return daa_cut_list[DAA_LIST_SLOTS + index];
+}
+
 /// Finds the groups of windows of one surface.
 @compute @workgroup_size(32)
 fn daa_light_group(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
-    let index = daa_list_index(group, lane);
-    if index >= daa_cut_list[3] {
+    let slot = daa_cut_slot(group, lane);
+    if slot == DAA_NO_SLOT {
         return;
     }
-    let slot = daa_cut_list[DAA_LIST_SLOTS + index];
     let pixel = daa_slot_pixel(slot);
     let surface = daa_tapped(daa_all_ranks());
     _ = daa_read_taps(pixel, surface, daa_all_taps(surface), true, lane);
@@ -284,11 +296,10 @@ fn daa_light_group(@builtin(workgroup_id) group: vec3u, @builtin(local_invocatio
 /// Lights the windows of one surface that is cut into groups.
 @compute @workgroup_size(32)
 fn daa_light_cut(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
-    let index = daa_list_index(group, lane);
-    if index >= daa_cut_list[3] {
+    let slot = daa_cut_slot(group, lane);
+    if slot == DAA_NO_SLOT {
         return;
     }
-    let slot = daa_cut_list[DAA_LIST_SLOTS + index];
     let pixel = daa_slot_pixel(slot);
     let surface = daa_tapped(daa_all_ranks());
     let groups = daa_stored_groups(slot, daa_all_taps(surface));
@@ -312,7 +323,7 @@ fn daa_light_cut(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_
 @compute @workgroup_size(32)
 fn daa_light_several(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
     let index = daa_list_index(group, lane);
-    if index >= daa_list[7] {
+    if index >= daa_list[DAA_LIST_SEVERAL_COUNT] {
         return;
     }
     let slot = daa_list[DAA_LIST_SLOTS + daa_tile_count() * 64u - 1u - index];

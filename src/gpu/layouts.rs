@@ -486,6 +486,10 @@ fn limits_of_surfaces_are_the_shaders() {
     assert_eq!(constant(&light, "DAA_LIST_SLOTS") * 4, slots.1);
     let head = |name| members.iter().find(|m| m.0 == name).map(|m| u64::from(m.1));
     assert_eq!([head("one"), head("several")], [Some(0), Some(passes::surfaces::light::SEVERAL_AT)]);
+    let (members, _) = wgsl_layout(&light, "DaaListHead");
+    let count = members.iter().find(|m| m.0 == "count").map(|m| u64::from(m.1)).expect("a count");
+    assert_eq!(u64::from(constant(&light, "DAA_LIST_ONE_COUNT")) * 4, count);
+    assert_eq!(u64::from(constant(&light, "DAA_LIST_SEVERAL_COUNT")) * 4, passes::surfaces::light::SEVERAL_AT + count);
 }
 
 #[test]

@@ -161,9 +161,12 @@ fn hold_sums(host: &mut Host, what: &str, settings: Settings) {
         host.picture().rgba
     };
     let [tiled, in_turn] = [Execution::Tiled, Execution::Sorted].map(&mut image);
-    for (a, b) in tiled.as_flattened().iter().zip(in_turn.as_flattened()) {
+    let pairs = tiled.as_flattened().iter().zip(in_turn.as_flattened());
+    for (a, b) in pairs.clone() {
         assert!((a - b).abs() <= a.max(*b) / 1024.0, "{what}: {a}, not {b}");
     }
+    let differ = pairs.filter(|(a, b)| a != b).count();
+    assert!(differ * 100 <= tiled.len(), "{what}: {differ} values of {} pixels are rounded otherwise", tiled.len());
 }
 
 /// What does not depend on the driver: all executions but one make the same image and plan, but for the rounding of
