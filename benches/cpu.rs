@@ -40,8 +40,17 @@ fn twins(c: &mut Criterion) {
     let surface: Vec<[u32; 2]> = (0..samples).map(|i| [noise(i / 16), noise(i / 256) % 4]).collect();
     let grey = |i| [noise(i / 8) as f32 / u32::MAX as f32; 4];
     let first: Vec<[f32; 4]> = (0..(width * height) as u64).map(grey).collect();
-    let input =
-        Input { m: M, width, height, depth: &depth, surface: &surface, first: &first, shadow: &[], exposure: 1.0 };
+    let input = Input {
+        m: M,
+        width,
+        height,
+        depth: &depth,
+        surface: &surface,
+        first: &first,
+        user: &[],
+        shadow: &[],
+        exposure: 1.0,
+    };
     let windowed = Windowed::default();
     let mut group = c.benchmark_group("reference");
     group.throughput(Throughput::Elements((width * height) as u64));

@@ -28,6 +28,11 @@ fn daa_uv_at(at: vec2u) -> vec2f {
     return bitcast<vec2f>(daa_stored_uv(at).xy);
 }
 
+/// The host's 32 bits.
+fn daa_user_at(at: vec2u) -> u32 {
+    return daa_stored_frame(at).y;
+}
+
 /// `d` is the sample's depth.
 fn daa_attributes_at(at: vec2u, d: f32) -> DaaAttributes {
     let surface = daa_surface_at(at);

@@ -237,6 +237,16 @@ fn daa_uv_at(at: vec2u) -> vec2f {
     return daa_triangle_uv(daa_drawn.attributes, daa_inside(daa_shown_point(at, daa_near_point(at)).weights));
 }
 
+/// The host's 32 bits, interpolated as four bytes.
+fn daa_user_at(at: vec2u) -> u32 {
+    let ids = daa_ids_at(at);
+    if ids.x == 0u {
+        return 0u;
+    }
+    daa_read_triangle(ids);
+    return daa_triangle_user(daa_drawn.attributes, daa_inside(daa_shown_point(at, daa_near_point(at)).weights));
+}
+
 /// The change of uv from one sample to the next along an axis, within the sample's quad, as rasterisers take it. Behind
 /// the horizon of the plane it is taken on the other side. `step` leads from `near` to the next sample's.
 fn daa_uv_change(place: u32, here: DaaMeeting, near: vec4f, step: vec4f) -> vec2f {

@@ -150,26 +150,45 @@ fn daa_mixed_shadow(pixel: vec2i) -> bool {
     return mixed && daa_depth_at(vec2u(pixel) * DAA_M + daa_order(0u)) > DAA_SKY_DEPTH;
 }
 
-/// Luminance as the luminance metric sees it: exposed, and on request on the display curve.
-fn daa_metric_luminance(pixel: vec2i) -> f32 {
+/// The first sample as the luminance metric sees it: exposed, and on request on the display curve. Without channels of
+/// its own it is grey.
+fn daa_metric_color(pixel: vec2i) -> vec3f {
     let last = vec2i(daa_frame.size) - 1;
     let c = textureLoad(daa_first, clamp(pixel, vec2i(0), last), 0).rgb;
-    return daa_shown(vec3f(daa_luminance(c))).x;
+    return daa_shown(select(vec3f(daa_luminance(c)), c, daa_flag(DAA_FLAG_LUMINANCE_CHANNELS)));
 }
 
-/// The range of luminance over the four direct neighbours, and on request the pixel itself. 0 if it is below the
-/// greater of the two thresholds.
+/// The greatest range of a channel over the four direct neighbours, and on request the pixel itself. A range below the
+/// greater of the two thresholds is 0.
 fn daa_luminance_range(pixel: vec2i) -> f32 {
-    let a = daa_metric_luminance(pixel + vec2i(-1, 0));
-    let b = daa_metric_luminance(pixel + vec2i(1, 0));
-    let c = daa_metric_luminance(pixel + vec2i(0, -1));
-    let d = daa_metric_luminance(pixel + vec2i(0, 1));
-    let centre = select(a, daa_metric_luminance(pixel), daa_flag(DAA_FLAG_LUMINANCE_CENTRE));
+    let a = daa_metric_color(pixel + vec2i(-1, 0));
+    let b = daa_metric_color(pixel + vec2i(1, 0));
+    let c = daa_metric_color(pixel + vec2i(0, -1));
+    let d = daa_metric_color(pixel + vec2i(0, 1));
+    let centre = select(a, daa_metric_color(pixel), daa_flag(DAA_FLAG_LUMINANCE_CENTRE));
     let greatest = max(max(max(a, b), max(c, d)), centre);
     let least = min(min(min(a, b), min(c, d)), centre);
     let range = greatest - least;
-    let threshold = max(daa_frame.windowed.luminance_min, greatest * daa_frame.windowed.luminance_edge);
-    return select(range, 0.0, range < threshold);
+    let threshold = max(vec3f(daa_frame.windowed.luminance_min), greatest * daa_frame.windowed.luminance_edge);
+    return daa_greatest_channel(select(range, vec3f(0.0), range < threshold));
+}
+
+/// The greatest range of one of the host's four bytes, each 0 to 1, over the window's samples. The sky has none.
+fn daa_user_range(corner: vec2u) -> f32 {
+    var least = vec4f(1.0);
+    var greatest = vec4f(0.0);
+    for (var y = 0u; y < DAA_M; y++) {
+        for (var x = 0u; x < DAA_M; x++) {
+            let at = corner + vec2u(x, y);
+            if daa_depth_at(at) > DAA_SKY_DEPTH {
+                let bytes = unpack4x8unorm(daa_user_at(at));
+                least = min(least, bytes);
+                greatest = max(greatest, bytes);
+            }
+        }
+    }
+    let range = greatest - least;
+    return max(max(range.x, range.y), max(range.z, range.w));
 }
 
 @compute @workgroup_size(8, 8)
@@ -220,6 +239,11 @@ fn daa_metrics_main(
     if daa_frame.windowed.shadow_samples > 0.0 && daa_mixed_shadow(vec2i(id.xy)) {
         let wanted = daa_frame.windowed.shadow_samples;
         by = select(by, DAA_BY_SHADOW, wanted > k);
+        k = max(k, wanted);
+    }
+    if daa_frame.windowed.user_scale > 0.0 {
+        let wanted = daa_frame.windowed.user_scale * daa_user_range(corner);
+        by = select(by, DAA_BY_USER, wanted > k);
         k = max(k, wanted);
     }
     if !all_sky {

@@ -5,7 +5,7 @@
 @group(3) @binding(1) var<storage, read_write> daa_plan: array<u32>;
 @group(3) @binding(2) var<storage, read_write> daa_statistics: DaaStatistics;
 
-var<workgroup> daa_group_decided: array<atomic<u32>, 7>;
+var<workgroup> daa_group_decided: array<atomic<u32>, DAA_REASONS>;
 
 /// One lane plans a whole tile. A lane for each pixel would need barriers, which software drivers pay dearly, and most
 /// tiles have few samples to add.
@@ -48,7 +48,7 @@ fn daa_plan_main(@builtin(global_invocation_id) id: vec3u, @builtin(local_invoca
     }
     workgroupBarrier();
     daa_add_histogram(lane);
-    if lane < 7u {
+    if lane < DAA_REASONS {
         let decided = atomicLoad(&daa_group_decided[lane]);
         if decided > 0u {
             atomicAdd(&daa_statistics.decided[lane], decided);

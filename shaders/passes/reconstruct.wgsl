@@ -45,18 +45,13 @@ fn daa_reconstruct_sample(pixel: vec2u, i: DaaGeometry) -> DaaReconstructed {
     return r;
 }
 
-/// Luminance on the display curve.
-fn daa_shown_luminance(c: vec4f) -> f32 {
-    return daa_displayed(vec3f(daa_luminance(c.rgb))).x;
-}
-
-/// The number of samples of its own surface that a window shades. It follows from the luminance range of the four
-/// direct neighbours' shaded samples that are similar to its own, since other contrast is due to geometry.
+/// The number of samples of its own surface that a window shades. It follows from the greatest range of a channel over
+/// the four direct neighbours' shaded samples that are similar to its own, since other contrast is due to geometry.
 fn daa_contrast_samples(pixel: vec2u, own: DaaGeometry, own_color: vec4f) -> u32 {
     if !daa_flag(DAA_FLAG_OWN_FIRST) || daa_frame.reconstruct.contrast_scale == 0.0 || own.depth == 0.0 {
         return 1u;
     }
-    var least = daa_shown_luminance(own_color);
+    var least = daa_displayed(own_color.rgb);
     var most = least;
     let last = vec2i(daa_frame.size) - 1;
     let end = min(4, last.x + 4);
@@ -66,13 +61,14 @@ fn daa_contrast_samples(pixel: vec2u, own: DaaGeometry, own_color: vec4f) -> u32
         let beside = at - vec2i(pixel) + vec2i(pixel & vec2u(7u)) + 1;
         let near = beside.y * 10 + beside.x;
         if daa_reconstruct_weight(own, daa_near[near]) >= 0.5 {
-            let l = daa_shown_luminance(daa_colors[near]);
-            least = min(least, l);
-            most = max(most, l);
+            let c = daa_displayed(daa_colors[near].rgb);
+            least = min(least, c);
+            most = max(most, c);
         }
     }
-    let range = select(most - least, 0.0, most - least < daa_frame.reconstruct.contrast_min);
-    return u32(clamp(round(daa_frame.reconstruct.contrast_scale * range), 1.0, f32(daa_frame.reconstruct.samples)));
+    let range = daa_greatest_channel(most - least);
+    let contrast = select(range, 0.0, range < daa_frame.reconstruct.contrast_min);
+    return u32(clamp(round(daa_frame.reconstruct.contrast_scale * contrast), 1.0, f32(daa_frame.reconstruct.samples)));
 }
 
 /// The radiance that a geometric sample reflects and refracts, unless the shaded colours include it. It was traced for

@@ -136,14 +136,15 @@ fn daa_view_of_plan(plan: u32) -> vec4f {
         case 1u: { // Count
             c = daa_heat(log2(f32(max(daa_plan_k(plan), 1u))) / max(log2(f32(DAA_M * DAA_M)), 1.0));
         }
-        case 2u: { // Decided: black nothing, red depth, green normal, blue luminance, yellow identity, cyan shadow
+        case 2u: { // Decided: black nothing, red depth, green normal, blue luminance, yellow identity, cyan shadow, white user
             var by = daa_plan_by(plan);
             if selective && by > 0u {
                 by = daa_metric_of_attribute(by);
             }
-            let red = by == DAA_BY_DEPTH || by == DAA_BY_IDENTITY;
-            let green = by == DAA_BY_NORMAL || by == DAA_BY_IDENTITY || by == DAA_BY_SHADOW;
-            let blue = by == DAA_BY_LUMINANCE || by == DAA_BY_SHADOW;
+            let user = by == DAA_BY_USER;
+            let red = by == DAA_BY_DEPTH || by == DAA_BY_IDENTITY || user;
+            let green = by == DAA_BY_NORMAL || by == DAA_BY_IDENTITY || by == DAA_BY_SHADOW || user;
+            let blue = by == DAA_BY_LUMINANCE || by == DAA_BY_SHADOW || user;
             c = vec3f(f32(red), f32(green), f32(blue));
         }
         case 13u: { // Quadrants: black, red, green, blue, white

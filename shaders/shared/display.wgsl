@@ -11,6 +11,11 @@ fn daa_displayed(c: vec3f) -> vec3f {
     return sqrt(l / (1.0 + l));
 }
 
+/// The greatest difference of a channel.
+fn daa_greatest_channel(c: vec3f) -> f32 {
+    return max(c.r, max(c.g, c.b));
+}
+
 /// Radiance as the metrics see it: exposed, and on the display curve if the settings ask for it.
 fn daa_shown(c: vec3f) -> vec3f {
     return select(daa_exposed(c), daa_displayed(c), daa_flag(DAA_FLAG_LUMINANCE_PERCEPTUAL));

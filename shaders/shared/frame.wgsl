@@ -6,15 +6,16 @@ struct DaaWindowed {
     depth_scale: f32,
     normal_scale: f32,
     luminance_scale: f32,
-    /// Luminance range below which there is no edge.
+    /// Range of luminance, or of a channel, below which there is no edge.
     luminance_min: f32,
-    /// Share of the greatest luminance; a luminance range below it is no edge.
+    /// Share of the greatest value; a range below it is no edge.
     luminance_edge: f32,
     /// The k of a window with more than one material or object.
     identity_samples: f32,
     /// The k of a window whose shadow bits differ from a neighbour's.
     shadow_samples: f32,
-    padding: u32,
+    /// Samples per unit of the range of the host's bytes.
+    user_scale: f32,
 }
 
 /// The choice of the audited tiles.
@@ -37,9 +38,9 @@ struct DaaReconstruct {
     depth_scale: f32,
     /// σ of normals.
     normal_scale: f32,
-    /// Samples per unit of luminance range.
+    /// Samples per unit of the range of a channel.
     contrast_scale: f32,
-    /// Luminance range below which there is no contrast.
+    /// Range of a channel below which there is no contrast.
     contrast_min: f32,
     /// Sum of weights below which a sample is shaded.
     least_weight: f32,
@@ -95,7 +96,7 @@ struct DaaSurfaces {
     widening: f32,
     /// The squared distance of features up to which a window takes its light from the corners of its block. 0: none does.
     block_spread: f32,
-    /// The difference of displayed luminance between the corners up to which it does.
+    /// The difference of a displayed channel between the corners up to which it does.
     block_contrast: f32,
     /// How far around a window a difference of shadow bits makes all its samples cast rays, in pixels.
     shadow_reach: u32,
@@ -193,6 +194,7 @@ const DAA_FLAG_SUPERSAMPLED: u32 = 0x1000000u;
 const DAA_FLAG_LATTICE: u32 = 0x2000000u;
 const DAA_FLAG_REFLECTS: u32 = 0x4000000u;
 const DAA_FLAG_SURFACES: u32 = 0x8000000u;
+const DAA_FLAG_LUMINANCE_CHANNELS: u32 = 0x10000000u;
 
 @group(0) @binding(0) var<uniform> daa_frame: DaaFrame;
 

@@ -17,6 +17,9 @@ const DAA_BY_LUMINANCE: u32 = 3u;
 const DAA_BY_IDENTITY: u32 = 4u;
 const DAA_BY_LEAST: u32 = 5u;
 const DAA_BY_SHADOW: u32 = 6u;
+const DAA_BY_USER: u32 = 7u;
+/// The number of reasons.
+const DAA_REASONS: u32 = 8u;
 
 fn daa_plan_word(k: u32, reason: u32, quadrants: u32, before: u32) -> u32 {
     return k | (reason << 8u) | (quadrants << 16u) | (before << 20u);

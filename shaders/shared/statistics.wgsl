@@ -10,8 +10,8 @@ struct DaaStatistics {
     /// Number of tiles that asked for more samples than the limit and fell back to k = 1.
     overflowed_tiles: atomic<u32>,
     /// Number of windows by the reason for their k: nothing, depth, normal, luminance, identity, the least allowed,
-    /// shadow.
-    decided: array<atomic<u32>, 7>,
+    /// shadow, the host's bytes.
+    decided: array<atomic<u32>, 8>,
     /// Number of shadow rays.
     shadow_rays: atomic<u32>,
     /// Number of reflected rays.

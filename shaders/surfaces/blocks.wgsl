@@ -82,9 +82,9 @@ fn daa_as_corner(g: DaaGathered, s: DaaSample) -> DaaCorner {
     return c;
 }
 
-/// Luminance on the display curve c/(1+c).
-fn daa_seen_luminance(color: vec3f) -> f32 {
-    let c = daa_luminance(daa_exposed(max(color, vec3f(0.0))));
+/// Radiance on the display curve c/(1+c).
+fn daa_seen_color(color: vec3f) -> vec3f {
+    let c = daa_exposed(max(color, vec3f(0.0)));
     return c / (1.0 + c);
 }
 
@@ -107,8 +107,8 @@ fn daa_between(pixel: vec2u, g: DaaGathered, s: DaaSample) -> DaaBetween {
     var shape = vec4f(0.0);
     var tint = vec4f(0.0);
     var share = 0.0;
-    var least = 1e30;
-    var most = 0.0;
+    var least = vec3f(1e30);
+    var most = vec3f(0.0);
     for (var i = 0u; i < 4u; i++) {
         let weights = select(1.0 - along, along, vec2u(i & 1u, i >> 1u) == vec2u(1u));
         let weight = weights.x * weights.y;
@@ -125,12 +125,12 @@ fn daa_between(pixel: vec2u, g: DaaGathered, s: DaaSample) -> DaaBetween {
             light.rest += weight * corner.light.rest;
             shape += weight * corner.spread.shape;
             tint += weight * corner.spread.tint;
-            let seen = daa_seen_luminance(daa_radiance(corner.light, m).rgb);
+            let seen = daa_seen_color(daa_radiance(corner.light, m).rgb);
             least = min(least, seen);
             most = max(most, seen);
         }
     }
-    if share == 0.0 || most - least > daa_frame.surfaces.block_contrast {
+    if share == 0.0 || daa_greatest_channel(most - least) > daa_frame.surfaces.block_contrast {
         return DaaBetween();
     }
     shape = shape / share - here.spread.shape;

@@ -47,7 +47,7 @@ fn daa_of_triangle(pixel: vec2u, rank: u32, others: vec2u) -> vec2u {
     return ranks;
 }
 
-/// The difference of displayed luminance above which all samples reflect. A quarter of it gives four.
+/// The difference of a displayed channel above which all samples reflect. A quarter of it gives four.
 const DAA_SEEN_CONTRAST: f32 = 0.02;
 
 /// The nearest pixel of the G-buffer.
@@ -55,9 +55,9 @@ fn daa_nearest_pixel(pixel: vec2i) -> vec2u {
     return vec2u(clamp(pixel, vec2i(0), vec2i(daa_frame.size) - 1));
 }
 
-/// The luminance that the first sample reflects and refracts, exposed, on the curve c/(1+c).
-fn daa_reflected_luminance(pixel: vec2u) -> f32 {
-    let c = daa_luminance(daa_exposed(daa_radiance_decode(daa_reflection_code(pixel, 0u))));
+/// What the first sample reflects and refracts, exposed, on the curve c/(1+c).
+fn daa_reflected_color(pixel: vec2u) -> vec3f {
+    let c = daa_exposed(daa_radiance_decode(daa_reflection_code(pixel, 0u)));
     return c / (1.0 + c);
 }
 
@@ -66,7 +66,7 @@ fn daa_reflected_luminance(pixel: vec2u) -> f32 {
 fn daa_rays_wanted(pixel: vec2u, surfaces: u32) -> u32 {
     let n = DAA_M * DAA_M;
     let bits = daa_shadow_bits(pixel, 0u);
-    let reflected = daa_reflected_luminance(pixel);
+    let reflected = daa_reflected_color(pixel);
     var differs = surfaces > 1u;
     var contrast = 0.0;
     let reach = i32(daa_frame.surfaces.shadow_reach);
@@ -77,7 +77,7 @@ fn daa_rays_wanted(pixel: vec2u, surfaces: u32) -> u32 {
     }
     for (var i = 0u; i < 9u; i++) {
         let beside = daa_nearest_pixel(vec2i(pixel) + vec2i(i32(i % 3u), i32(i / 3u)) - 1);
-        contrast = max(contrast, abs(daa_reflected_luminance(beside) - reflected));
+        contrast = max(contrast, daa_greatest_channel(abs(daa_reflected_color(beside) - reflected)));
     }
     if differs || contrast > DAA_SEEN_CONTRAST {
         return n;

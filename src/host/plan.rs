@@ -60,12 +60,22 @@ pub enum DecidedBy {
     Least = 5,
     /// The shadow metric: the shadow bits differ from those of a neighbour.
     Shadow = 6,
+    /// The metric of the host's own bytes, `user`.
+    User = 7,
 }
 
 impl DecidedBy {
     /// All reasons, in the order of their numbers.
-    pub const ALL: [Self; 7] =
-        [Self::Nothing, Self::Depth, Self::Normal, Self::Luminance, Self::Identity, Self::Least, Self::Shadow];
+    pub const ALL: [Self; 8] = [
+        Self::Nothing,
+        Self::Depth,
+        Self::Normal,
+        Self::Luminance,
+        Self::Identity,
+        Self::Least,
+        Self::Shadow,
+        Self::User,
+    ];
 }
 
 /// The attribute that a threshold of [`Technique::Selective`](crate::Technique::Selective) belongs to.

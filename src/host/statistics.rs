@@ -72,6 +72,8 @@ counts! {
         least,
         /// The shadow metric: the shadow bits differ from those of a neighbour.
         shadow,
+        /// The metric of the host's own bytes, `user`.
+        user,
     }
 }
 

@@ -27,6 +27,8 @@ pub struct Input<'a> {
     pub surface: &'a [[u32; 2]],
     /// S, width × height.
     pub first: &'a [[f32; 4]],
+    /// The host's 32 bits of the samples, in the order of `depth`; empty if the G-buffer has none.
+    pub user: &'a [u32],
     /// The shadow bits of the first samples, width × height; empty if nothing was traced.
     pub shadow: &'a [u32],
     /// The exposure, [`Frame::exposure`](crate::Frame::exposure).
@@ -62,14 +64,18 @@ impl Input<'_> {
         self.surface[y * self.width * self.m + x]
     }
 
-    fn luminance(&self, x: isize, y: isize, curve: LuminanceCurve) -> f64 {
+    /// The first sample of a pixel as the luminance metric sees it: the channels, or luminance as a grey.
+    fn color(&self, x: isize, y: isize, w: &Windowed) -> [f64; 3] {
         let clamp = |v: isize, side: usize| v.clamp(0, side as isize - 1) as usize;
         let [r, g, b, _] = self.first[clamp(y, self.height) * self.width + clamp(x, self.width)].map(f64::from);
-        let l = ((0.2126 * r + 0.7152 * g + 0.0722 * b) * f64::from(self.exposure)).min(1e30);
-        match curve {
-            LuminanceCurve::Linear => l,
-            LuminanceCurve::Perceptual => (l / (1.0 + l)).sqrt(),
-        }
+        let seen = if w.luminance_channels { [r, g, b] } else { [0.2126 * r + 0.7152 * g + 0.0722 * b; 3] };
+        seen.map(|c| {
+            let c = (c * f64::from(self.exposure)).min(1e30);
+            match w.luminance {
+                LuminanceCurve::Linear => c,
+                LuminanceCurve::Perceptual => (c / (1.0 + c)).sqrt(),
+            }
+        })
     }
 
     fn samples(&self, px: usize, py: usize) -> impl Iterator<Item = (usize, usize)> + use<> {
@@ -133,19 +139,35 @@ impl Input<'_> {
         (normals.iter().map(apart).fold(0.0, f64::max) * 0.5).sqrt()
     }
 
-    /// The range over the four direct neighbours and, on request, the pixel itself; 0 below both thresholds.
+    /// The greatest range of a channel over the four direct neighbours and, on request, the pixel itself. A range below
+    /// the greater of the two thresholds is 0.
     pub fn luminance_range(&self, px: usize, py: usize, w: &Windowed) -> f64 {
         let (x, y) = (px as isize, py as isize);
         let mut values = vec![(x - 1, y), (x + 1, y), (x, y - 1), (x, y + 1)];
         if w.luminance_centre {
             values.push((x, y));
         }
-        let values: Vec<f64> = values.into_iter().map(|(x, y)| self.luminance(x, y, w.luminance)).collect();
-        let greatest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let least = values.iter().copied().fold(f64::INFINITY, f64::min);
-        let range = greatest - least;
-        let threshold = f64::from(w.luminance_min).max(greatest * f64::from(w.luminance_edge));
-        if range < threshold { 0.0 } else { range }
+        let colors: Vec<[f64; 3]> = values.into_iter().map(|(x, y)| self.color(x, y, w)).collect();
+        let edge = |channel: usize| {
+            let values = colors.iter().map(|c| c[channel]);
+            let greatest = values.clone().fold(f64::NEG_INFINITY, f64::max);
+            let range = greatest - values.fold(f64::INFINITY, f64::min);
+            let threshold = f64::from(w.luminance_min).max(greatest * f64::from(w.luminance_edge));
+            if range < threshold { 0.0 } else { range }
+        };
+        (0..3).map(edge).fold(0.0, f64::max)
+    }
+
+    /// The greatest range of one of the host's four bytes, each 0 to 1, over the window's samples. The sky has none.
+    pub fn user_range(&self, px: usize, py: usize) -> f64 {
+        let shown = self.samples(px, py).filter(|&(x, y)| !self.is_sky(x, y));
+        let bytes: Vec<[u8; 4]> =
+            shown.filter_map(|(x, y)| self.user.get(y * self.width * self.m + x)).map(|u| u.to_le_bytes()).collect();
+        let range = |i: usize| {
+            let values = bytes.iter().map(|b| b[i]);
+            values.clone().max().unwrap_or(0) - values.min().unwrap_or(0)
+        };
+        f64::from((0..4).map(range).max().unwrap_or(0)) / 255.0
     }
 
     /// Whether the window has more than one material or object. The sky counts as one.
@@ -202,6 +224,9 @@ impl Input<'_> {
         }
         if w.shadow_samples > 0.0 && self.mixed_shadow(px, py) {
             ask(f64::from(w.shadow_samples), By::Shadow);
+        }
+        if w.user_scale > 0.0 {
+            ask(f64::from(w.user_scale) * self.user_range(px, py), By::User);
         }
         if !all_sky {
             ask(f64::from(w.least_samples), By::Least);

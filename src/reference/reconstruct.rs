@@ -76,16 +76,16 @@ impl Input<'_> {
         // Contrast that the geometry does not explain.
         let mut k = 1;
         if settings.own_first && settings.contrast_scale > 0.0 && own.depth > 0.0 {
-            let (mut least, mut most) = (shown(first(x, y)), shown(first(x, y)));
+            let mut near = vec![shown(first(x, y))];
             for (dx, dy) in [(0, -1), (-1, 0), (0, 1), (1, 0)] {
                 let (nx, ny) = beside(dx, dy);
                 let (nx, ny) = (nx.clamp(0, last[0]) as u32, ny.clamp(0, last[1]) as u32);
                 if above(weight(settings, &own, &self.geometry(&order, nx, ny, 0)), 0.5) {
-                    let l = shown(first(nx, ny));
-                    (least, most) = (least.min(l), most.max(l));
+                    near.push(shown(first(nx, ny)));
                 }
             }
-            let range = if above(most - least, f64::from(settings.contrast_min)) { most - least } else { 0.0 };
+            let range = greatest_range(&near);
+            let range = if above(range, f64::from(settings.contrast_min)) { range } else { 0.0 };
             let wanted = f64::from(settings.contrast_scale) * f64::from(self.m) / 4.0 * range;
             k = wanted.round().clamp(1.0, samples as f64) as usize;
             for half in [wanted.floor() + 0.5, wanted.ceil() - 0.5] {
@@ -134,9 +134,17 @@ impl Input<'_> {
     }
 }
 
-fn shown(c: [f64; 4]) -> f64 {
-    let l = 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
-    (l / (1.0 + l)).sqrt()
+fn shown([r, g, b, _]: [f64; 4]) -> [f64; 3] {
+    [r, g, b].map(|c| (c / (1.0 + c)).sqrt())
+}
+
+/// The greatest range of a channel.
+fn greatest_range(colors: &[[f64; 3]]) -> f64 {
+    let range = |channel: usize| {
+        let values = colors.iter().map(|c| c[channel]);
+        values.clone().fold(0.0, f64::max) - values.fold(f64::INFINITY, f64::min)
+    };
+    (0..3).map(range).fold(0.0, f64::max)
 }
 
 fn mean(colors: &[[f64; 4]]) -> [f64; 4] {

@@ -78,6 +78,7 @@ impl Settings {
         range!(windowed.luminance_edge, 0.0, 1.0, Linear),
         range!(windowed.identity_samples, 0.0, Windowed::MOST_SAMPLES, Linear),
         range!(windowed.shadow_samples, 0.0, Windowed::MOST_SAMPLES, Linear),
+        range!(windowed.user_scale, 0.0, Windowed::MOST_SCALE, Logarithmic),
         range!(windowed.least_samples, 1.0, Windowed::MOST_SAMPLES, Linear),
         range!(windowed.footprint, 0.0, 4.0, Linear),
         range!(windowed.tile_limit, 0.0, Windowed::NO_TILE_LIMIT as f32, Whole),

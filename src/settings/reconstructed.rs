@@ -37,12 +37,12 @@ pub struct Reconstructed {
     /// A sample whose weights sum to less than this is shaded, 1e-6 to 10; nine windows with full weight sum to 9.
     /// Higher: more samples at edges are shaded, fewer are guessed.
     pub least_weight: f32,
-    /// Samples per unit of the luminance range between the shaded samples of direct neighbours on one surface and in
+    /// Samples per unit of the greatest range of a channel between the shaded samples of direct neighbours on one surface and in
     /// one shadow, 0 to 1e6. It holds for m = 4 and is multiplied by m/4 at other m. That many of the window's samples
     /// on that surface are shaded; needs [`own_first`](Self::own_first). Higher: better textures and highlights, more
     /// samples; 0: off, as in the paper.
     pub contrast_scale: f32,
-    /// Luminance ranges below this count as 0, 0 to 1, with luminance on the curve √(l/(1+l)). Higher: less work in
+    /// Ranges below this count as 0, 0 to 1, with each channel on the curve √(c/(1+c)). Higher: less work in
     /// noise.
     pub contrast_min: f32,
     /// Scales the texture footprint of a shaded sample, 0 to 4. At 1, the paper's, it covers the samples that the
@@ -90,7 +90,7 @@ impl Default for Reconstructed {
             reflections_apart: true,
             rotated_grid: false,
             least_weight: 1.0,
-            contrast_scale: 94.0,
+            contrast_scale: 72.0,
             contrast_min: 0.02,
             footprint: 0.5,
             trace_all: false,

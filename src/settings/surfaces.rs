@@ -35,8 +35,8 @@ pub struct Surfaces {
     /// quarter for each pixel, bumps are smoothed. 0: every window is lit. Needs a host whose `light` returns `DaaLight`;
     /// without it, nothing changes.
     pub block_spread: f32,
-    /// The greatest difference between the displayed luminances of a block's corners (c/(1+c), 0 to 1) up to which the
-    /// light between them is interpolated. Higher: fewer lights, small highlights and the rims of lights are missed.
+    /// The greatest difference of a displayed channel between a block's corners (c/(1+c), 0 to 1) up to which the light
+    /// between them is interpolated. Higher: fewer lights, small highlights and the rims of lights are missed.
     pub block_contrast: f32,
     /// How far from a change of shadow all samples of a window cast shadow rays, 0 to 4 pixels. Further off, and where
     /// one surface fills the window, the first sample casts for all. Higher: thin shadows that first samples hit here

@@ -12,7 +12,8 @@ pub enum DebugView {
     /// [`Technique::Surfaces`](crate::Technique::Surfaces), the number of lights, dark blue where a window has none of
     /// its own.
     Count = 1,
-    /// The metric that decided k: black none, red depth, green normal, blue luminance, yellow identity, cyan shadow.
+    /// The metric that decided k: black none, red depth, green normal, blue luminance, yellow identity, cyan shadow,
+    /// white the host's bytes.
     /// For [`Technique::Selective`](crate::Technique::Selective), what the threshold of the window's first active
     /// quadrant is for: black no quadrant is active, red shadow, green normal, blue colour or texture, yellow object.
     Decided = 2,

@@ -20,18 +20,21 @@ pub struct Windowed {
     pub normal_scale: f32,
     /// Counts opposite normals as equal: the paper's |n̄·n|. Useful for leaves drawn as one-sided planes.
     pub two_sided: bool,
-    /// Samples per unit of the luminance range over the neighbouring first samples (section 3.1), 0 to 1e6. It holds
+    /// Samples per unit of the range of luminance, or of a channel, over the neighbouring first samples (section 3.1), 0 to 1e6. It holds
     /// for m = 4 and is multiplied by m/4 at other m, as an edge crosses m samples per side. Higher: more samples at
     /// edges of light and texture. Lower: fewer; 0: off. Windows with nothing but sky keep k = 1.
     pub luminance_scale: f32,
-    /// Luminance ranges below this are not edges, 0 to 1e6. Higher: less work in dark noise. Lower: detects fainter
+    /// Ranges below this are not edges, 0 to 1e6. Higher: less work in dark noise. Lower: detects fainter
     /// edges. FXAA's published values are 0.0312 to 0.0833.
     pub luminance_min: f32,
-    /// Luminance ranges below this share of the greatest luminance are not edges, 0 to 1. Higher: fewer samples in
+    /// Ranges below this share of the greatest value are not edges, 0 to 1. Higher: fewer samples in
     /// bright texture. Lower: more. FXAA's published values are 0.125 to 0.166.
     pub luminance_edge: f32,
-    /// The curve on which the luminance range is measured.
+    /// The curve on which the range is measured.
     pub luminance: LuminanceCurve,
+    /// Measures the range in red, green and blue apart and takes the greatest. Off: that of luminance alone, as in the
+    /// paper, which does not see an edge between colours of equal luminance.
+    pub luminance_channels: bool,
     /// Includes the pixel itself in its luminance range, as FXAA does. Off: only its four neighbours, as the paper
     /// words it.
     pub luminance_centre: bool,
@@ -42,6 +45,12 @@ pub struct Windowed {
     /// to 64. Only where shadows are traced. Higher: better edges of faint shadows; 0: off, shadows are then detected
     /// only by their luminance. Not in the paper.
     pub shadow_samples: f32,
+    /// Samples per unit of the range that the host's own 32 bits, `user`, have over the window's samples, 0 to 1e6. Each
+    /// of their four bytes counts from 0 to 1, and the greatest range is taken. Higher: more samples where vertex
+    /// colours, or whatever the host keeps there, differ, so that 255 times n sees any difference. Lower: fewer; 0: off,
+    /// and `user` is not read. A stored G-buffer without [`Channels::user`](crate::Channels) has no such range. Not in
+    /// the paper.
+    pub user_scale: f32,
     /// The least k of every window that is not all sky, 1 to 64. Higher: better where the metrics see nothing, at a
     /// cost everywhere; n: full supersampling. Not in the paper.
     pub least_samples: f32,
@@ -86,9 +95,11 @@ impl Windowed {
         luminance_min: 0.0625,
         luminance_edge: 0.125,
         luminance: LuminanceCurve::Perceptual,
+        luminance_channels: false,
         luminance_centre: false,
         identity_samples: 0.0,
         shadow_samples: 0.0,
+        user_scale: 0.0,
         least_samples: 1.0,
         footprint: 1.0,
         centred: false,
@@ -114,9 +125,11 @@ impl Windowed {
         luminance_min: 0.0,
         luminance_edge: 0.0,
         luminance: LuminanceCurve::Perceptual,
+        luminance_channels: true,
         luminance_centre: true,
         identity_samples: 0.0,
         shadow_samples: 8.0,
+        user_scale: 0.0,
         least_samples: 1.0,
         footprint: 1.0,
         centred: true,
@@ -139,6 +152,7 @@ impl Windowed {
             luminance_edge: self.luminance_edge * threshold,
             identity_samples: (self.identity_samples * scale).min(Self::MOST_SAMPLES),
             shadow_samples: (self.shadow_samples * scale).min(Self::MOST_SAMPLES),
+            user_scale: (self.user_scale * scale).min(Self::MOST_SCALE),
             least_samples: self.least_samples.max(least),
             ..self
         }
@@ -183,7 +197,7 @@ impl Preset {
             Self::Fast => Windowed {
                 depth_scale: 4000.0,
                 normal_scale: 24.0,
-                luminance_scale: 36.0,
+                luminance_scale: 28.0,
                 luminance_min: 0.08,
                 luminance_edge: 0.12,
                 footprint: 0.6,
@@ -192,7 +206,7 @@ impl Preset {
             Self::Balanced => Windowed {
                 depth_scale: 4000.0,
                 normal_scale: 24.0,
-                luminance_scale: 94.0,
+                luminance_scale: 72.0,
                 luminance_min: 0.02,
                 luminance_edge: 0.085,
                 footprint: 0.5,
@@ -201,7 +215,7 @@ impl Preset {
             Self::Quality => Windowed {
                 depth_scale: 4000.0,
                 normal_scale: 24.0,
-                luminance_scale: 230.0,
+                luminance_scale: 176.0,
                 luminance_min: 0.02,
                 luminance_edge: 0.057,
                 footprint: 0.5,

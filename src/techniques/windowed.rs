@@ -24,6 +24,7 @@ impl Method for Windowed {
         uniform.flag(flag::TWO_SIDED, w.two_sided);
         uniform.flag(flag::LUMINANCE_PERCEPTUAL, w.luminance == LuminanceCurve::Perceptual);
         uniform.flag(flag::LUMINANCE_CENTRE, w.luminance_centre);
+        uniform.flag(flag::LUMINANCE_CHANNELS, w.luminance_channels);
         uniform.flag(flag::EDGE_AWARE_FIRST, w.edge_aware_first);
         uniform.around = blocks(settings.execution);
         uniform.footprint = w.footprint;
@@ -37,7 +38,7 @@ impl Method for Windowed {
             luminance_edge: w.luminance_edge,
             identity_samples: w.identity_samples,
             shadow_samples: w.shadow_samples,
-            padding: 0,
+            user_scale: w.user_scale,
         };
         if let Some(e) = effort {
             uniform.audit.least_samples = at(e.effort - e.step).least_samples;

@@ -413,7 +413,7 @@ fn record_refuses_what_has_no_picture() {
 #[test]
 fn settings_name_the_field() {
     type Set = fn(&mut Windowed, f32);
-    let fields: [(&str, f32, Set); 7] = [
+    let fields: [(&str, f32, Set); 8] = [
         ("windowed.depth_scale", 1e9, |w, v| w.depth_scale = v),
         ("windowed.normal_scale", 1e6, |w, v| w.normal_scale = v),
         ("windowed.luminance_scale", 1e6, |w, v| w.luminance_scale = v),
@@ -421,6 +421,7 @@ fn settings_name_the_field() {
         ("windowed.luminance_edge", 1.0, |w, v| w.luminance_edge = v),
         ("windowed.identity_samples", 64.0, |w, v| w.identity_samples = v),
         ("windowed.shadow_samples", 64.0, |w, v| w.shadow_samples = v),
+        ("windowed.user_scale", 1e6, |w, v| w.user_scale = v),
     ];
     for (field, most, set) in fields {
         let with = |value| {

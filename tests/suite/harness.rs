@@ -237,6 +237,8 @@ impl Rig {
         let depth: Vec<f32> = bytemuck::pod_collect_to_vec(&self.gpu.read_texture(gbuffer.depth.texture(), 4));
         let surface: Vec<[u32; 2]> =
             bytemuck::pod_collect_to_vec(&self.gpu.read_texture(gbuffer.color[0].texture(), 8));
+        let frame: Vec<[u32; 2]> = bytemuck::pod_collect_to_vec(&self.gpu.read_texture(gbuffer.color[1].texture(), 8));
+        let user: Vec<u32> = frame.iter().map(|words| words[1]).collect();
         let passed = self.aa.intermediates().expect("a size");
         let first: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(&self.gpu.read_texture(passed.first, 16));
         use_it(&Input {
@@ -246,6 +248,7 @@ impl Rig {
             depth: &depth,
             surface: &surface,
             first: &first,
+            user: &user,
             shadow: &[],
             exposure: self.exposure,
         })

@@ -7,8 +7,8 @@ use deferred_aa::reference::metrics::SKY_DEPTH;
 use deferred_aa::reference::{octahedral, plan, resolve};
 use deferred_aa::wgpu::TextureFormat;
 use deferred_aa::{
-    Camera, DebugView, DepthMeasure, Execution, LuminanceCurve, Preset, RecordError, Settings, TableSampler, Technique,
-    TextureTier, Weight, Windowed,
+    Camera, DebugView, DecidedBy, DepthMeasure, Execution, LuminanceCurve, Preset, RecordError, Settings, TableSampler,
+    Technique, TextureTier, Weight, Windowed,
 };
 use deferred_aa_demo::host::{Host, HostError, Options};
 use deferred_aa_demo::scene::{Lens, builtin};
@@ -619,6 +619,66 @@ fn row_10_thresholds_cut_where_they_say() {
     assert_eq!(worth(&mut rig, 0.3, 0.45), [f, f, t, t, f, t, t, f, f, f, f, f]);
 }
 
+#[test]
+fn row_10_an_edge_of_hue_is_an_edge() {
+    let mut rig = Rig::new(4, 16, 8, SHOW_USER);
+    // Red and green of one luminance, and greys that differ by as much as their red does.
+    let hues = [rgba8(1.0, 0.0, 0.0, 1.0), rgba8(0.0, 76.0 / 255.0, 0.0, 1.0)];
+    let greys = [rgba8(1.0, 1.0, 1.0, 1.0), rgba8(0.0, 0.0, 0.0, 1.0)];
+    let mut run = |colors: [u32; 2], settings: Settings| {
+        rig.fill(|x, _| Sample { user: colors[usize::from(x >= 32)], ..Default::default() });
+        let output = rig.run(settings);
+        if settings.technique == Technique::Windowed {
+            rig.assert_twin_agrees(&settings, &output);
+        }
+        counts(&output)
+    };
+    for preset in presets() {
+        let settings = |luminance_channels| by_luminance(Windowed { luminance_channels, ..preset });
+        let grey = run(greys, settings(false));
+        assert!(grey.iter().any(|&k| k == 16), "{preset:?}");
+        assert_eq!(run(greys, settings(true)), grey, "{preset:?}");
+        assert_eq!(run(hues, settings(true)), grey, "{preset:?}");
+        // The paper's metric is blind to it.
+        assert_eq!(run(hues, settings(false)), [1; 128], "{preset:?}");
+    }
+    let settings = Settings { technique: Technique::Reconstructed, ..Default::default() };
+    let grey = run(greys, settings);
+    assert!(grey.iter().any(|&k| k == 16));
+    assert_eq!(run(hues, settings), grey);
+}
+
+#[test]
+fn row_10_the_hosts_bytes_count_where_they_are_asked_for() {
+    let mut rig = Rig::new(4, 10, 8, WHITE);
+    // A byte that rises from window to window, in each of the four, and the sky around one sample.
+    rig.fill(|x, y| {
+        let (window, byte) = (x / 4, y / 8);
+        let here = Sample { user: 25 * window << (8 * byte), ..Default::default() };
+        match (window, x % 4 == 1 && y % 4 == 2) {
+            (9, false) => Sample::SKY,
+            (_, true) => here,
+            _ => Sample { user: 0, ..here },
+        }
+    });
+    let settings = |user_scale| {
+        let none = Windowed { depth_scale: 0.0, normal_scale: 0.0, luminance_scale: 0.0, ..Default::default() };
+        Settings { windowed: Windowed { user_scale, ..none }, ..Default::default() }
+    };
+    let output = rig.run(settings(20.0));
+    rig.assert_twin_agrees(&settings(20.0), &output);
+    for (i, &(k, by, _)) in output.plan.iter().enumerate() {
+        let wanted = if i % 10 == 9 { 1.0 } else { (i % 10) as f64 * 25.0 / 255.0 * 20.0 };
+        assert_eq!(k, wanted.clamp(1.0, 16.0).round_ties_even() as u32, "window {i}");
+        assert_eq!(by == DecidedBy::User as u32, k > 1, "window {i}");
+    }
+    assert_eq!(output.statistics.decided.user as usize, output.plan.iter().filter(|p| p.0 > 1).count());
+    // Any difference, and none.
+    let all = rig.run(settings(255.0 * 16.0));
+    assert!(all.plan.iter().enumerate().all(|(i, p)| p.0 == if matches!(i % 10, 0 | 9) { 1 } else { 16 }));
+    assert_eq!(counts(&rig.run(settings(0.0))), [1; 80]);
+}
+
 // ---- Row 11: gradients of texture coordinates ----
 
 fn ruler(tier: TextureTier, m: u32, size: [u32; 2], anisotropy: u16) -> Textured {
@@ -943,7 +1003,7 @@ fn ends() -> Vec<Windowed> {
     let mut all = Vec::new();
     for preset in presets() {
         type Change = fn(&mut Windowed, bool);
-        let fields: [Change; 15] = [
+        let fields: [Change; 17] = [
             |w, most| w.depth_scale = if most { 1e9 } else { 0.0 },
             |w, most| w.normal_scale = if most { 1e6 } else { 0.0 },
             |w, most| w.luminance_scale = if most { 1e6 } else { 0.0 },
@@ -956,6 +1016,8 @@ fn ends() -> Vec<Windowed> {
             |w, most| w.two_sided = most,
             |w, most| w.luminance = if most { LuminanceCurve::Linear } else { LuminanceCurve::Perceptual },
             |w, most| w.luminance_centre = most,
+            |w, most| w.luminance_channels = most,
+            |w, most| w.user_scale = if most { 1e6 } else { 0.0 },
             |w, most| w.centred = most,
             |w, most| w.footprint = if most { 4.0 } else { 0.0 },
             |w, most| w.edge_aware_first = most,
@@ -1012,7 +1074,7 @@ fn row_22_beyond_the_ends_the_field_is_named() {
     let mut rig = Rig::new(2, 4, 4, WHITE);
     rig.fill(|_, _| Sample::default());
     type Field = (&'static str, f32, fn(&mut Windowed) -> &mut f32);
-    let fields: [Field; 8] = [
+    let fields: [Field; 9] = [
         ("windowed.depth_scale", 1e9, |w| &mut w.depth_scale),
         ("windowed.normal_scale", 1e6, |w| &mut w.normal_scale),
         ("windowed.luminance_scale", 1e6, |w| &mut w.luminance_scale),
@@ -1020,6 +1082,7 @@ fn row_22_beyond_the_ends_the_field_is_named() {
         ("windowed.luminance_edge", 1.0, |w| &mut w.luminance_edge),
         ("windowed.identity_samples", 64.0, |w| &mut w.identity_samples),
         ("windowed.shadow_samples", 64.0, |w| &mut w.shadow_samples),
+        ("windowed.user_scale", 1e6, |w| &mut w.user_scale),
         ("windowed.footprint", 4.0, |w| &mut w.footprint),
     ];
     for (name, most, field) in fields {

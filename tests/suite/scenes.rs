@@ -58,6 +58,7 @@ fn with_input<T>(host: &Host, use_it: impl FnOnce(&Input<'_>) -> T) -> T {
         depth: &depth,
         surface: &surface,
         first: &first,
+        user: &[],
         shadow: &shadow,
         exposure: 1.0,
     })

@@ -1,7 +1,7 @@
 //! `Surfaces` against its twin, and against `Full`.
 
 use crate::harness::{Output, Rig, SHOW_USER, Sample, noise, rgba8, stored_normal};
-use deferred_aa::glam::{DVec2, DVec3, Vec2, Vec3, dvec3};
+use deferred_aa::glam::{DVec2, DVec3, Vec2, Vec3};
 use deferred_aa::reference::rays::shared_exponent;
 use deferred_aa::reference::sample::relative_position;
 use deferred_aa::reference::surfaces::cover::{Around, Covered, Seen, cover, rays};
@@ -513,7 +513,7 @@ fn rays_are_cast_where_the_twin_wants_them() {
             found.get(passed.slots.sample(x, y, 0)).copied().unwrap_or(0)
         };
         let reflected = |x, y| {
-            let c = shared_exponent::decode(first(&reflections, x, y)).dot(dvec3(0.2126, 0.7152, 0.0722));
+            let c = shared_exponent::decode(first(&reflections, x, y));
             c / (1.0 + c)
         };
         let mut all = [0; 3];
@@ -522,7 +522,9 @@ fn rays_are_cast_where_the_twin_wants_them() {
             let near = |reach: i32| (-reach..=reach).flat_map(move |j| (-reach..=reach).map(move |i| (x + i, y + j)));
             let around = Around {
                 shadows_differ: near(shadow_reach as i32).any(|(i, j)| first(&shadows, i, j) != first(&shadows, x, y)),
-                contrast: near(1).map(|(i, j)| (reflected(i, j) - reflected(x, y)).abs()).fold(0.0, f64::max),
+                contrast: near(1)
+                    .map(|(i, j)| (reflected(i, j) - reflected(x, y)).abs().max_element())
+                    .fold(0.0, f64::max),
             };
             let surfaces = SurfaceWord(words[passed.slots.pixel(x as u32, y as u32)]).surfaces();
             let (wanted, margin) = rays(16, surfaces as u8, &around);

@@ -9,8 +9,8 @@ use deferred_aa::glam::{Affine3A, DAffine3, DVec2, DVec3, Mat4, Vec3, vec3};
 use deferred_aa::rays::{Attributes, BottomLevel, Instance, Mesh, RayError, RayScene, RayTier};
 use deferred_aa::reference::visibility::{Input, Seen};
 use deferred_aa::{
-    BuildError, Channels, DebugView, DeferredAa, Descriptor, Frame, GBufferTier, Ids, InputMistake, Needs, RecordError,
-    Settings, Shading, Technique, TextureTier, Windowed, wgpu,
+    BuildError, Channels, DebugView, DecidedBy, DeferredAa, Descriptor, Frame, GBufferTier, Ids, InputMistake, Needs,
+    RecordError, Settings, Shading, Technique, TextureTier, Windowed, wgpu,
 };
 use deferred_aa_demo::gpu::{self, Gpu};
 use deferred_aa_demo::host::{Host, Options};
@@ -346,6 +346,30 @@ fn both_tiers_show_the_same() {
         assert_eq!(bytes, [36, 8].map(|bytes| 96 * 54 * u64::from(m * m) * bytes), "{name}");
         assert!(stored.edge_mask() == visible.edge_mask(), "{name}: the edges differ");
     }
+}
+
+/// The rasteriser interpolates vertex colours for the stored tier, and the crate for this one.
+#[test]
+fn the_hosts_bytes_count_alike_on_both_tiers() {
+    if !has_ids() {
+        return;
+    }
+    let mut scene = hard().swap_remove(0).1;
+    for mesh in &mut scene.meshes {
+        mesh.colors = mesh.positions.iter().map(|p| (p.extend(1.0) * 7.0).map(f32::sin) * 0.5 + 0.5).collect();
+    }
+    let camera = hard()[0].2;
+    let none = Windowed { depth_scale: 0.0, normal_scale: 0.0, luminance_scale: 0.0, ..Default::default() };
+    let settings = Settings { windowed: Windowed { user_scale: 200.0, ..none }, ..Default::default() };
+    let [stored, visible] = [GBufferTier::default(), GBufferTier::Visibility(Ids::Wide)].map(|tier| {
+        let mut host = host(scene.clone(), 3, [96, 54], tier);
+        host.frame(&camera, settings).expect("a frame");
+        host.plan()
+    });
+    let differ = stored.iter().zip(&visible).filter(|(a, b)| a.k() != b.k()).count();
+    assert!(differ * 50 < stored.len(), "{differ} of {}", stored.len());
+    let by_user = visible.iter().filter(|word| word.decided_by() == DecidedBy::User && word.k() > 2).count();
+    assert!(by_user > 1000, "{by_user}");
 }
 
 /// Every view, twice the same bits.

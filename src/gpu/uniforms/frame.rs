@@ -22,7 +22,7 @@ pub(crate) struct WindowedUniform {
     pub luminance_edge: f32,
     pub identity_samples: f32,
     pub shadow_samples: f32,
-    pub padding: u32,
+    pub user_scale: f32,
 }
 
 /// `DaaAudit` of frame.wgsl.
@@ -169,6 +169,7 @@ pub(crate) mod flag {
     pub const LATTICE: u32 = 1 << 25;
     pub const REFLECTS: u32 = 1 << 26;
     pub const SURFACES: u32 = 1 << 27;
+    pub const LUMINANCE_CHANNELS: u32 = 1 << 28;
 }
 
 impl FrameUniform {

@@ -97,8 +97,8 @@ fn is_same_surface(a: &Seen, b: &Seen, forward: DVec3, settings: &Surfaces) -> (
 pub struct Around {
     /// Whether shadow bits within `shadow_reach` differ from the window's.
     pub shadows_differ: bool,
-    /// The greatest difference between the window's reflected luminance, exposed and as c/(1+c), and that of its eight
-    /// neighbours.
+    /// The greatest difference of a channel between what the window's first sample reflects, exposed and as c/(1+c), and
+    /// what those of its eight neighbours do.
     pub contrast: f64,
 }
 

@@ -55,10 +55,10 @@ impl Light {
         [r, g, b, self.rest[3]]
     }
 
-    /// The exposed luminance of that radiance, negative components left out.
-    fn luminance(&self, m: &Material, exposure: f64) -> f64 {
-        let [r, g, b, _] = self.radiance(m).map(|c| (c.max(0.0) * exposure).min(1e30));
-        luminance([r, g, b])
+    /// The channels of that radiance, exposed, negative components left out.
+    fn exposed(&self, m: &Material, exposure: f64) -> [f64; 3] {
+        let [r, g, b, _] = self.radiance(m);
+        [r, g, b].map(|c| (c.max(0.0) * exposure).min(1e30))
     }
 
     fn add(&mut self, other: &Self, share: f64) {
@@ -583,7 +583,8 @@ impl Block<'_> {
         decided: &mut Decided,
     ) -> Option<Light> {
         let along = self.place.map(|p| f64::from(p) / 3.0);
-        let (mut share, mut least, mut most) = (0.0, f64::INFINITY, 0.0_f64);
+        let mut share = 0.0;
+        let (mut least, mut most) = ([f64::INFINITY; 3], [0.0_f64; 3]);
         let mut light = Light::default();
         let mut spread = Spread { shape: [0.0; 4], tint: [0.0; 4] };
         for (i, corner) in self.corners.iter().enumerate() {
@@ -604,11 +605,13 @@ impl Block<'_> {
             share += weight;
             light.add(&corner.light, weight);
             spread.add(&corner.spread, weight);
-            let luminance = corner.light.luminance(colors, exposure);
-            least = least.min(luminance / (1.0 + luminance));
-            most = most.max(luminance / (1.0 + luminance));
+            for (channel, c) in corner.light.exposed(colors, exposure).into_iter().enumerate() {
+                least[channel] = least[channel].min(c / (1.0 + c));
+                most[channel] = most[channel].max(c / (1.0 + c));
+            }
         }
-        if share == 0.0 || decided.above_within(most - least, settings.block_contrast.into(), 1e-5) {
+        let contrast = (0..3).map(|channel| most[channel] - least[channel]).fold(0.0, f64::max);
+        if share == 0.0 || decided.above_within(contrast, settings.block_contrast.into(), 1e-5) {
             return None;
         }
         let (mut apart, mut rounding) = (0.0, 0.0);
