@@ -95,13 +95,8 @@ fn rays(c: &mut Criterion) {
         b.iter(|| {
             frame += 1;
             let place = |i: u64| noise(i * 1000 + frame % 100) as f32 / u32::MAX as f32 * 100.0;
-            let instance = |i| Instance {
-                mesh,
-                world: Affine3A::from_translation(vec3(place(i), place(i + 1), place(i + 2))),
-                material: 0,
-                object: 1,
-                user: 0,
-            };
+            let at = |i| Affine3A::from_translation(vec3(place(i), place(i + 1), place(i + 2)));
+            let instance = |i| Instance { object: 1, ..Instance::new(mesh, at(i)) };
             let instances: Vec<_> = (0..1000).map(instance).collect();
             scene.update(device, queue, &mut encoder, &instances, Vec3::ZERO)
         });

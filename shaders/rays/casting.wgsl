@@ -141,12 +141,17 @@ fn daa_ranks(group: vec2u, lane: u32, kind: u32) -> DaaRanks {
 }
 
 /// The distance from a surface at which rays start: 2⁻¹⁶ of its distance to the camera, since the depth buffer and the
-/// ray scene round differently. World coordinates do not matter, as both are relative to the camera. Coordinates in a
-/// mesh's own space matter if they are much larger (`RayScene::least_offset`).
-fn daa_ray_offset(relative: vec3f) -> f32 {
+/// ray scene round differently. World coordinates do not matter, as both are relative to the camera. Large triangles,
+/// and coordinates in a mesh's own space that are much larger, do (`RayScene::least_offsets`): objects that have them
+/// have a least offset.
+fn daa_ray_offset(relative: vec3f, object: u32) -> f32 {
     let from_camera = abs(relative);
     let by_distance = max(max(from_camera.x, from_camera.y), from_camera.z) * 1.52587890625e-5;
-    return max(by_distance, bitcast<f32>(daa_ray_top[0].z));
+    let offsets = daa_ray_top[0].zw;
+    if object >= offsets.x {
+        return by_distance;
+    }
+    return max(by_distance, bitcast<f32>(daa_ray_top[offsets.y + object / 4u][object % 4u]));
 }
 
 /// 1 if light i does not reach a surface, and 1 if a ray was traced to find out.
@@ -167,14 +172,15 @@ fn daa_shadow(i: u32, position: vec3f, normal: vec3f, geometric_normal: vec3f, o
     // If the smooth surface faces the light but its coarse triangle does not, the ray starts inside the object, and the
     // surface where it leaves the object is ignored. Otherwise triangles would show at the terminator.
     let inside = dot(geometric_normal, towards) <= 0.0;
-    let origin = position + geometric_normal * select(daa_ray_offset(position), -daa_ray_offset(position), inside);
+    let offset = daa_ray_offset(position, object);
+    let origin = position + geometric_normal * select(offset, -offset, inside);
     var ray = DaaRay(origin, 0.0, towards, 1e30);
     if light.punctual != 0u {
         ray.direction = light.position - origin;
         // The ray ends before the lamp itself.
         ray.t_max = 0.9998;
     }
-    let hit = daa_trace(ray, true, select(DAA_MISS, object, inside));
+    let hit = daa_trace(ray, DAA_RAY_ANY | DAA_RAY_SHADOW, select(DAA_MISS, object, inside));
     return vec2u(u32(hit.instance != DAA_MISS), 1u);
 }
 

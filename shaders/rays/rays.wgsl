@@ -29,8 +29,19 @@ struct DaaHit {
 
 const DAA_MISS: u32 = 0xffffffffu;
 
-/// A flag of an instance: `daa_ray_solid` is called for its hits.
-const DAA_RAY_MASKED: u32 = 1u;
+/// Flags of a ray, which may be joined. The first hit that is found will do, and need not be the nearest.
+const DAA_RAY_ANY: u32 = 1u;
+/// Back faces of instances that are culled do not stop it.
+const DAA_RAY_CULL: u32 = 2u;
+/// Instances that cast no shadow do not stop it.
+const DAA_RAY_SHADOW: u32 = 4u;
+
+/// Flags of an instance, in the last word of its record. `daa_ray_solid` is called for its hits.
+const DAA_INSTANCE_MASKED: u32 = 1u;
+/// Its back faces are not drawn.
+const DAA_INSTANCE_CULLED: u32 = 2u;
+/// It casts no shadow.
+const DAA_INSTANCE_CLEAR: u32 = 4u;
 
 /// The interpolated uv of a hit. `attributes` are the indices of its vertices' attributes.
 fn daa_ray_uv(attributes: vec3u, barycentrics: vec2f) -> vec2f {
@@ -40,13 +51,29 @@ fn daa_ray_uv(attributes: vec3u, barycentrics: vec2f) -> vec2f {
     return a + (b - a) * barycentrics.x + (c - a) * barycentrics.y;
 }
 
+/// The host's 32 bits at a hit.
+fn daa_ray_user(corners: vec3u, barycentrics: vec2f) -> u32 {
+    let user = vec3u(daa_ray_geometry[corners.x].w, daa_ray_geometry[corners.y].w, daa_ray_geometry[corners.z].w);
+    return daa_user_between(user, vec3f(1.0 - barycentrics.x - barycentrics.y, barycentrics));
+}
+
+/// What decides whether a triangle stops a ray: the ray's flags, and the object whose back faces it passes through.
+struct DaaPassing {
+    flags: u32,
+    through: u32,
+}
+
 /// Whether a triangle that a ray meets stops it. `names` and `more` are the last two vec4s of its instance's record.
-fn daa_ray_stops(names: vec4u, more: vec4u, corners: vec3u, barycentrics: vec2f, front: bool, through: u32) -> bool {
-    if !front && more.y == through {
+fn daa_ray_stops(names: vec4u, more: vec4u, corners: vec3u, barycentrics: vec2f, front: bool, passing: DaaPassing) -> bool {
+    let culled = (passing.flags & DAA_RAY_CULL) != 0u && (more.w & DAA_INSTANCE_CULLED) != 0u;
+    if !front && (more.y == passing.through || culled) {
         return false;
     }
-    if (more.w & DAA_RAY_MASKED) == 0u {
+    if (passing.flags & DAA_RAY_SHADOW) != 0u && (more.w & DAA_INSTANCE_CLEAR) != 0u {
+        return false;
+    }
+    if (more.w & DAA_INSTANCE_MASKED) == 0u {
         return true;
     }
-    return daa_ray_solid(more.x, daa_ray_uv(corners + names.w, barycentrics));
+    return daa_ray_solid(more.x, daa_ray_uv(corners + names.w, barycentrics), daa_ray_user(corners, barycentrics));
 }

@@ -112,9 +112,11 @@ fn daa_arriving(pixel: vec2u, rank: u32, from_point: vec3f, towards: vec3f, refr
     var direction = towards;
     var cone = start;
     let end = select(1u, DAA_MAX_PASSAGES, refracted);
+    var inside = refracted;
     for (var i = 0u; i < end; i++) {
         let ray = DaaRay(origin, 0.0, direction, 1e30);
-        let hit = daa_trace(ray, false, DAA_MISS);
+        // Inside a body, rays meet back faces that the camera would not see.
+        let hit = daa_trace(ray, select(DAA_RAY_CULL, 0u, inside), DAA_MISS);
         if hit.instance == DAA_MISS {
             daa_last_hit = vec3u(0u);
             return daa_sky_towards(pixel, rank, direction);
@@ -125,9 +127,10 @@ fn daa_arriving(pixel: vec2u, rank: u32, from_point: vec3f, towards: vec3f, refr
             let out = refract(direction, met.s.normal, ior);
             let leaves = dot(out, out) > 0.0;
             direction = normalize(select(reflect(direction, met.s.normal), out, leaves));
-            let offset = daa_ray_offset(met.s.relative_position) * select(1.0, -1.0, leaves);
+            let offset = daa_ray_offset(met.s.relative_position, object) * select(1.0, -1.0, leaves);
             origin = met.s.relative_position + met.s.geometric_normal * offset;
             cone.width += cone.spread * hit.t;
+            inside = !leaves;
             continue;
         }
         var s = met.s;
@@ -178,7 +181,7 @@ fn daa_reflect_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocati
         }
         let b = daa_call_reflection(s);
         let cone = daa_cone(pixel, rank, s);
-        let offset = daa_ray_offset(s.relative_position);
+        let offset = daa_ray_offset(s.relative_position, s.object);
         var sum = vec3f(0.0);
         var traced = false;
         // The bound is not a constant, so that compilers do not unroll the loop: one copy of the host's code takes long

@@ -61,10 +61,6 @@ fn daa_triangle_uv(t: DaaTriangle, w: vec3f) -> vec2f {
     return t.uv_a + t.uv_ab * w.y + t.uv_ac * w.z;
 }
 
-/// The host's 32 bits. Where the vertices differ, each of the four bytes is interpolated: they are a vertex colour.
 fn daa_triangle_user(t: DaaTriangle, w: vec3f) -> u32 {
-    if t.user.x == t.user.y && t.user.x == t.user.z {
-        return t.user.x;
-    }
-    return pack4x8unorm(unpack4x8unorm(t.user.x) * w.x + unpack4x8unorm(t.user.y) * w.y + unpack4x8unorm(t.user.z) * w.z);
+    return daa_user_between(t.user, w);
 }

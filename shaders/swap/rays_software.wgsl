@@ -145,9 +145,9 @@ fn daa_triangle(s: DaaShear, t_min: f32, t_max: f32, a: vec3f, b: vec3f, c: vec3
     return DaaTriangleHit(t, vec2f(v, w) / area, area > 0.0);
 }
 
-/// The nearest hit of the ray, or with `any` the first that the traversal finds. Back faces of the object `through` are
-/// ignored; with DAA_MISS, none are.
-fn daa_trace(ray: DaaRay, any: bool, through: u32) -> DaaHit {
+/// The nearest hit of the ray, or with DAA_RAY_ANY the first that the traversal finds. Back faces of the object `through`
+/// are ignored; with DAA_MISS, there is no such object.
+fn daa_trace(ray: DaaRay, flags: u32, through: u32) -> DaaHit {
     var hit = DaaHit(ray.t_max, DAA_MISS, 0u, 0u, vec2f(0.0), 0u, 0u);
     if daa_ray_top[0].y == 0u {
         return hit;
@@ -203,9 +203,9 @@ fn daa_trace(ray: DaaRay, any: bool, through: u32) -> DaaHit {
                 let b = bitcast<vec3f>(daa_ray_geometry[corners.y].xyz) - space.origin;
                 let c = bitcast<vec3f>(daa_ray_geometry[corners.z].xyz) - space.origin;
                 let found = daa_triangle(shear, ray.t_min, hit.t, a, b, c);
-                if found.t < hit.t && daa_ray_stops(names, more, corners.xyz, found.barycentrics, found.front, through) {
+                if found.t < hit.t && daa_ray_stops(names, more, corners.xyz, found.barycentrics, found.front, DaaPassing(flags, through)) {
                     hit = DaaHit(found.t, names.y, corners.w, u32(found.front), found.barycentrics, record, index);
-                    if any {
+                    if (flags & DAA_RAY_ANY) != 0u {
                         return hit;
                     }
                 }

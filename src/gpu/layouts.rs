@@ -43,7 +43,7 @@ const SPLIT: &str = "fn material(s: DaaSample) -> DaaMaterial { return DaaMateri
     fn light(f: DaaSurface, m: DaaMaterial) -> vec4f { return m.base_color * f.coverage; }
     fn sky(s: DaaSample) -> vec4f { return vec4f(s.view, 1.0); }
     fn reflection(s: DaaSample) -> DaaReflection { return DaaReflection(s.normal, 1.5, s.view, s.normal); }
-    fn solid(material: u32, uv: vec2f) -> bool { return fract(uv.x) > 0.5; }";
+    fn solid(material: u32, uv: vec2f, user: u32) -> bool { return fract(uv.x) > 0.5; }";
 const WHOLE: &str = "fn shade(s: DaaSample) -> vec4f { return vec4f(s.normal, 1.0); }";
 
 fn host(source: &str, tier: TextureTier) -> HostSource {

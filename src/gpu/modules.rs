@@ -79,7 +79,8 @@ fn frame(gbuffer: GBufferTier, inputs: RayInputs) -> Vec<&'static str> {
 
 /// The chunks that read samples.
 fn samples(gbuffer: GBufferTier, inputs: RayInputs) -> Vec<&'static str> {
-    let mut chunks = vec![chunk::OCTAHEDRAL, chunk::TRIANGLE, chunk::FRAME, chunk::PLAN_WORD, chunk::SAMPLE];
+    let mut chunks =
+        vec![chunk::OCTAHEDRAL, chunk::USER, chunk::TRIANGLE, chunk::FRAME, chunk::PLAN_WORD, chunk::SAMPLE];
     match gbuffer {
         GBufferTier::Stored(channels) => chunks.extend([
             match channels.frame() {

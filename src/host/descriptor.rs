@@ -17,7 +17,7 @@ pub struct Shading<'a> {
     /// is transparent black. `fn spread(s: DaaSample, m: DaaMaterial) -> DaaSpread` says which samples `Surfaces` may
     /// light together, for materials that mean other things than the contract's names. For rays,
     /// `fn reflection(s: DaaSample) -> DaaReflection` says what a surface reflects and refracts, and
-    /// `fn solid(material: u32, uv: vec2f) -> bool` whether a masked mesh stops a ray.
+    /// `fn solid(material: u32, uv: vec2f, user: u32) -> bool` whether a masked mesh stops a ray.
     ///
     /// Its resources are bound at [`HOST_GROUP`](crate::HOST_GROUP). `shaders/contract.wgsl` has everything that it may
     /// use.

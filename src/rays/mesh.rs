@@ -128,6 +128,15 @@ impl BottomLevel {
         self.has_tree
     }
 
+    /// The diagonal of the largest triangle's box.
+    pub(super) fn extent(&self) -> f32 {
+        let diagonal = |&[a, b, c, _]: &[u32; 4]| {
+            let [a, b, c] = [a, b, c].map(|i| Vec3::from(self.positions[i as usize]));
+            (a.max(b).max(c) - a.min(b).min(c)).length()
+        };
+        self.triangles.iter().map(diagonal).fold(0.0, f32::max)
+    }
+
     /// The triangles in the order of the leaves, then the dropped ones, which are degenerate.
     pub(super) fn leaves_first(&self) -> Vec<[u32; 4]> {
         let mut all = self.triangles.clone();

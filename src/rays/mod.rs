@@ -13,19 +13,23 @@ pub use mesh::{BottomLevel, MAX_COORDINATE, Mesh};
 pub use query::{QUERY_FEATURES, query_limits};
 pub use scene::{Instance, MAX_INSTANCES, MeshId, RayScene};
 
-/// The WGSL of `DaaRay`, `DaaHit` and `daa_trace(ray, any, through)`, for the host's own shaders. The module must
+/// The WGSL of `DaaRay`, `DaaHit` and `daa_trace(ray, flags, through)`, for the host's own shaders. The module must
 /// declare what it reads:
 ///
 /// ```wgsl
 /// @group(0) @binding(0) var<storage, read> daa_ray_nodes: array<vec4u>;
 /// @group(0) @binding(1) var<storage, read> daa_ray_geometry: array<vec4u>;
 /// @group(0) @binding(2) var<storage, read> daa_ray_top: array<vec4u>;
-/// fn daa_ray_solid(material: u32, uv: vec2f) -> bool { return true; } // false in the holes of a masked mesh
+/// // false in the holes of a masked mesh
+/// fn daa_ray_solid(material: u32, uv: vec2f, user: u32) -> bool { return true; }
 /// ```
 ///
 /// at any group and binding, bound to [`RayScene::buffers`].
-pub const SOFTWARE_WGSL: &str =
-    concat!(include_str!("../../shaders/rays/rays.wgsl"), "\n", include_str!("../../shaders/swap/rays_software.wgsl"));
+pub const SOFTWARE_WGSL: &str = concat!(
+    include_str!("../../shaders/shared/user.wgsl"),
+    include_str!("../../shaders/rays/rays.wgsl"),
+    include_str!("../../shaders/swap/rays_software.wgsl")
+);
 
 /// The same functions, traced by the adapter's ray query. The module begins with `enable wgpu_ray_query;`, and declares
 /// in place of the nodes
@@ -35,8 +39,11 @@ pub const SOFTWARE_WGSL: &str =
 /// ```
 ///
 /// bound to [`RayScene::top_level`].
-pub const QUERY_WGSL: &str =
-    concat!(include_str!("../../shaders/rays/rays.wgsl"), "\n", include_str!("../../shaders/swap/rays_query.wgsl"));
+pub const QUERY_WGSL: &str = concat!(
+    include_str!("../../shaders/shared/user.wgsl"),
+    include_str!("../../shaders/rays/rays.wgsl"),
+    include_str!("../../shaders/swap/rays_query.wgsl")
+);
 
 /// How rays are traced. Both tiers find the same hits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -196,5 +203,9 @@ mod tests {
     fn the_shader_has_the_same_numbers() {
         assert!(SOFTWARE_WGSL.contains(&format!("const DAA_RAY_STACK: u32 = {STACK}u;")));
         assert!(SOFTWARE_WGSL.contains(&format!("const DAA_RAY_RECORD: u32 = {}u;", scene::RECORD)));
+        assert!(QUERY_WGSL.contains(&format!("const DAA_RAY_MASK_SHADOW: u32 = {}u;", query::MASK_SHADOW)));
+        for (name, flag) in [("MASKED", scene::MASKED), ("CULLED", scene::CULLED), ("CLEAR", scene::CLEAR)] {
+            assert!(SOFTWARE_WGSL.contains(&format!("const DAA_INSTANCE_{name}: u32 = {flag}u;")), "{name}");
+        }
     }
 }

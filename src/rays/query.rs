@@ -17,6 +17,18 @@ pub fn query_limits(limits: wgpu::Limits, adapter: &wgpu::Limits) -> wgpu::Limit
     }
 }
 
+/// The bit of the masks of instances that cast shadows.
+pub(super) const MASK_SHADOW: u8 = 2;
+
+/// An instance of the top level.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PlacedInstance {
+    pub mesh: u32,
+    /// The rows of the transform from the mesh's own space to camera-relative space.
+    pub place: [f32; 12],
+    pub casts_shadow: bool,
+}
+
 /// The adapter's structures, which change together with the scene's own buffers.
 #[derive(Debug)]
 pub(super) struct Structures {
@@ -102,13 +114,12 @@ impl Structures {
         Ok(())
     }
 
-    /// Records the build of the top level from the meshes of the instances and their transforms relative to the camera,
-    /// row by row. Returns whether the structure was replaced.
+    /// Records the build of the top level. Returns whether the structure was replaced.
     pub fn update(
         &mut self,
         device: &wgpu::Device,
         encoder: &mut wgpu::CommandEncoder,
-        instances: &[(u32, [f32; 12])],
+        instances: &[PlacedInstance],
     ) -> Result<bool, RayError> {
         let (count, limit) = (instances.len(), device.limits().max_tlas_instance_count);
         if count > limit as usize {
@@ -121,9 +132,10 @@ impl Structures {
         }
         let Some(slots) = self.top.get_mut_slice(0..self.room as usize) else { return Ok(grown) };
         slots.fill(None);
-        for (index, (slot, (mesh, place))) in (0..).zip(slots.iter_mut().zip(instances)) {
-            let blas = self.bottom.get(*mesh as usize).and_then(Option::as_ref);
-            *slot = blas.map(|blas| wgpu::TlasInstance::new(blas, *place, index, 0xff));
+        for (index, (slot, instance)) in (0..).zip(slots.iter_mut().zip(instances)) {
+            let blas = self.bottom.get(instance.mesh as usize).and_then(Option::as_ref);
+            let mask = if instance.casts_shadow { 0xff } else { !MASK_SHADOW };
+            *slot = blas.map(|blas| wgpu::TlasInstance::new(blas, instance.place, index, mask));
         }
         encoder.build_acceleration_structures([], [&self.top]);
         Ok(grown)

@@ -2,7 +2,7 @@
 
 use super::attributes::{self, Attributes};
 use super::mesh::{self, BottomLevel, MAX_COORDINATE, Quality};
-use super::query::Structures;
+use super::query::{PlacedInstance, Structures};
 use super::{RayError, RayTier};
 use glam::{Affine3A, DMat3, DVec3, Vec3};
 use obvhs::aabb::Aabb;
@@ -27,7 +27,26 @@ pub struct Instance {
     pub object: u32,
     /// The host's own 32 bits.
     pub user: u32,
+    /// Whether the host's rasteriser culls its back faces. Reflected and refracted rays then pass them, too; shadow rays
+    /// do not, so that rooms whose walls face inwards stay dark.
+    pub culled: bool,
+    /// Whether it casts shadows. Off, for clear glass, light passes through it and keeps its colour.
+    pub casts_shadow: bool,
 }
+
+impl Instance {
+    /// An instance of material and object 0 that is seen from both sides and casts shadows.
+    pub fn new(mesh: MeshId, world: Affine3A) -> Self {
+        Self { mesh, world, material: 0, object: 0, user: 0, culled: false, casts_shadow: true }
+    }
+}
+
+/// Flags of an instance's record: whether the material has holes,
+pub(super) const MASKED: u32 = 1;
+/// whether its back faces are culled,
+pub(super) const CULLED: u32 = 2;
+/// and whether it casts no shadow.
+pub(super) const CLEAR: u32 = 4;
 
 /// The record of an instance in shaders: [`RECORD`] vec4s of `daa_ray_top`.
 #[repr(C)]
@@ -46,7 +65,7 @@ pub(crate) struct InstanceRecord {
     pub material: u32,
     pub object: u32,
     pub user: u32,
-    /// Bit 0: whether the material has holes.
+    /// [`MASKED`], [`CULLED`] and [`CLEAR`].
     pub flags: u32,
 }
 
@@ -88,7 +107,8 @@ pub struct RayScene {
     instances: u32,
     tier: Option<RayTier>,
     camera: Vec3,
-    least_offset: f32,
+    /// The least offset of each object up to the last that has one.
+    least_offsets: Vec<f32>,
     generation: u64,
     /// The data that `update` uploads, kept to avoid an allocation in each frame.
     upload: Vec<[u32; 4]>,
@@ -110,6 +130,8 @@ struct Placed {
     places: u32,
     masked: bool,
     bounds: Option<[Vec3; 2]>,
+    /// The diagonal of the largest triangle's box.
+    extent: f32,
 }
 
 /// A storage buffer that keeps its content as it grows.
@@ -192,7 +214,7 @@ impl RayScene {
             instances: 0,
             tier,
             camera: Vec3::ZERO,
-            least_offset: 0.0,
+            least_offsets: Vec::new(),
             generation: next_generation(),
             upload: Vec::new(),
             records: Vec::new(),
@@ -267,6 +289,7 @@ impl RayScene {
             attributes: if mesh.attributes.is_empty() { 0 } else { vertices as u32 },
             masked: mesh.masked,
             bounds: mesh.bounds,
+            extent: mesh.extent(),
         });
         Ok(MeshId(self.meshes.len() as u32 - 1))
     }
@@ -354,7 +377,8 @@ impl RayScene {
             return Err(RayError::Instances { instances: instances.len(), limit: MAX_INSTANCES });
         }
         let (mut boxes, mut records, mut places) = (Vec::new(), Vec::new(), Vec::new());
-        let mut least_offset = 0.0_f64;
+        let mut culls = false;
+        let mut least_offsets: Vec<f32> = Vec::new();
         self.records.clear();
         for (index, instance) in instances.iter().enumerate() {
             let (mesh, meshes) = (instance.mesh.0, self.meshes.len());
@@ -385,9 +409,20 @@ impl RayScene {
             };
             // The host's own top level also counts instances without triangles.
             let Some(bounds) = placed.bounds.or(builder.is_err().then_some([Vec3::ZERO; 2])) else { continue };
-            least_offset = least_offset.max(place.least_offset(bounds));
+            if let Some(offset) = place.least_offset(bounds, placed.extent) {
+                let object = instance.object as usize;
+                if least_offsets.len() <= object {
+                    least_offsets.resize(object + 1, 0.0);
+                }
+                least_offsets[object] = offset.max(least_offsets[object]);
+            }
+            culls |= instance.culled;
             match self.structures {
-                Some(_) => places.push((mesh, place.relative_from_own())),
+                Some(_) => places.push(PlacedInstance {
+                    mesh,
+                    place: place.relative_from_own(),
+                    casts_shadow: instance.casts_shadow,
+                }),
                 None => boxes.push(place.bounds(bounds)),
             }
             records.push(InstanceRecord {
@@ -399,7 +434,9 @@ impl RayScene {
                 material: instance.material,
                 object: instance.object,
                 user: instance.user,
-                flags: u32::from(placed.masked),
+                flags: u32::from(placed.masked) * MASKED
+                    | u32::from(instance.culled) * CULLED
+                    | u32::from(!instance.casts_shadow) * CLEAR,
             });
         }
         if let Some(drawn) = &mut self.drawn {
@@ -413,7 +450,8 @@ impl RayScene {
         };
         // The records follow the header; for a ray query the header has a second vec4, with the origin of its rays.
         let first = 1 + usize::from(self.structures.is_some()) + nodes.len() * RECORD;
-        let bytes = (first + records.len() * RECORD) as u64 * VEC4;
+        let offsets_at = first + records.len() * RECORD;
+        let bytes = (offsets_at + least_offsets.len().div_ceil(4)) as u64 * VEC4;
         let grown = self.top.reserve(device, None, bytes, 0)?;
         self.changed(grown);
         let shift = if builder.is_err() { camera } else { Vec3::ZERO };
@@ -430,16 +468,20 @@ impl RayScene {
             _ => {}
         }
         self.upload.clear();
-        self.least_offset = least_offset as f32;
-        self.upload.push([first as u32, records.len() as u32, self.least_offset.to_bits(), 0]);
+        self.upload.push([first, records.len(), least_offsets.len(), offsets_at].map(|word| word as u32));
         if self.structures.is_some() {
             let [x, y, z] = shift.to_array().map(f32::to_bits);
-            self.upload.push([x, y, z, 0]);
+            self.upload.push([x, y, z, u32::from(culls)]);
         }
         self.upload.extend_from_slice(bytemuck::cast_slice(&nodes));
         for &i in &order {
             self.upload.extend_from_slice(bytemuck::cast_slice(&[records[i as usize]]));
         }
+        self.upload.extend(least_offsets.chunks(4).map(|offsets| {
+            let bits = |i: usize| offsets.get(i).map_or(0, |offset| offset.to_bits());
+            [bits(0), bits(1), bits(2), bits(3)]
+        }));
+        self.least_offsets = least_offsets;
         queue.write_buffer(&self.top.buffer, 0, bytemuck::cast_slice(&self.upload));
         self.instances = records.len() as u32;
         self.camera = camera;
@@ -510,11 +552,12 @@ impl RayScene {
         self.generation
     }
 
-    /// The least distance from a surface at which rays start, in world units. It is above 0 if vertices of a mesh lie
-    /// much farther from their own origin than from the camera, where f32 rounds coarsely. Moving an instance by its
-    /// transform does not need it.
-    pub fn least_offset(&self) -> f32 {
-        self.least_offset
+    /// The least distance from a surface at which its rays start, in world units, by object; 0 for those beyond the end.
+    /// It is above 0 if an object has triangles that are large for their distance to the camera, or vertices that lie
+    /// much farther from their own origin, where f32 rounds coarsely. Moving an instance by its transform does not need
+    /// it.
+    pub fn least_offsets(&self) -> &[f32] {
+        &self.least_offsets
     }
 
     fn changed(&mut self, grown: bool) {
@@ -593,18 +636,21 @@ impl Place {
         Ok(Self { matrix, translation, own_from_relative })
     }
 
-    /// 2⁻²¹ of the mesh's own coordinates, since each of a few sums rounds a ray to 2⁻²⁴ of these. 0 if all of the mesh
-    /// is so far from the camera that the offset by distance (casting.wgsl) is enough.
-    fn least_offset(&self, [low, high]: [Vec3; 2]) -> f64 {
+    /// 2⁻²¹ of the mesh's own coordinates and of the extent of its largest triangle, since each of a few sums rounds a
+    /// ray to 2⁻²⁴ of these. `None` if all of the mesh is so far from the camera that the offset by distance
+    /// (casting.wgsl) is enough.
+    fn least_offset(&self, [low, high]: [Vec3; 2], extent: f32) -> Option<f32> {
         let (mut min, mut max, mut own) = (DVec3::INFINITY, DVec3::NEG_INFINITY, 0.0_f64);
         for corner in corners(low, high) {
             let p = self.matrix * corner;
             own = own.max(p.abs().max_element());
             (min, max) = (min.min(p + self.translation), max.max(p + self.translation));
         }
-        let needed = own.min(self.translation.abs().max_element()) * 2.0_f64.powi(-21);
+        let axes = [self.matrix.x_axis, self.matrix.y_axis, self.matrix.z_axis];
+        let largest = axes.into_iter().map(DVec3::length).fold(0.0, f64::max) * f64::from(extent);
+        let needed = own.min(self.translation.abs().max_element()).max(largest) * 2.0_f64.powi(-21);
         let distance = min.max(-max).max(DVec3::ZERO).max_element();
-        if needed > distance * 2.0_f64.powi(-16) { needed } else { 0.0 }
+        (needed > distance * 2.0_f64.powi(-16)).then_some(needed as f32)
     }
 
     /// The rows of the transform from the mesh's own space to camera-relative space.

@@ -25,6 +25,7 @@ chunks! {
     IDS_WIDE: "gbuffer/ids_wide.wgsl",
     IDS_NARROW: "gbuffer/ids_narrow.wgsl",
     VISIBILITY: "gbuffer/visibility.wgsl",
+    USER: "shared/user.wgsl",
     TRIANGLE: "shared/triangle.wgsl",
     MEAN: "shared/mean.wgsl",
     STATISTICS: "shared/statistics.wgsl",

@@ -67,7 +67,7 @@ const LIGHT_IN_PARTS: (&str, &str) = ("light", "fn light(f: DaaSurface, m: DaaMa
 const SKY: (&str, &str) = ("sky", "fn sky(s: DaaSample) -> vec4f");
 const REFLECTION: (&str, &str) = ("reflection", "fn reflection(s: DaaSample) -> DaaReflection");
 const SPREAD: (&str, &str) = ("spread", "fn spread(s: DaaSample, m: DaaMaterial) -> DaaSpread");
-const SOLID: (&str, &str) = ("solid", "fn solid(material: u32, uv: vec2f) -> bool");
+const SOLID: (&str, &str) = ("solid", "fn solid(material: u32, uv: vec2f, user: u32) -> bool");
 
 /// A type of a hook's signature.
 #[derive(Debug, Clone, Copy)]
@@ -136,7 +136,7 @@ impl HostSource {
             &[Type::Struct("DaaSample"), Type::Struct("DaaMaterial")],
             Type::Struct("DaaSpread"),
         )?;
-        let solid = joined.signature(file, &module, SOLID, &[Type::U32, Type::VEC2F], Type::BOOL)?;
+        let solid = joined.signature(file, &module, SOLID, &[Type::U32, Type::VEC2F, Type::U32], Type::BOOL)?;
 
         let capabilities = wgpu_naga_bridge::features_to_naga_capabilities(features, wgpu::DownlevelFlags::all());
         let mut validator = naga::valid::Validator::new(naga::valid::ValidationFlags::all(), capabilities);
@@ -218,9 +218,9 @@ fn daa_of_light(l: DaaLight, m: DaaMaterial) -> vec4f { return daa_radiance(l, m
     /// The body of the function that rays call for masked meshes.
     pub fn solid_call(&self) -> &'static str {
         if self.solid {
-            "fn daa_ray_solid(material: u32, uv: vec2f) -> bool { return solid(material, uv); }"
+            "fn daa_ray_solid(material: u32, uv: vec2f, user: u32) -> bool { return solid(material, uv, user); }"
         } else {
-            "fn daa_ray_solid(material: u32, uv: vec2f) -> bool { return true; }"
+            "fn daa_ray_solid(material: u32, uv: vec2f, user: u32) -> bool { return true; }"
         }
     }
 

@@ -15,20 +15,20 @@ const KERNEL: &str = "
 @group(0) @binding(2) var<storage, read> daa_ray_top: array<vec4u>;
 @group(0) @binding(3) var<storage, read> rays: array<DaaRay>;
 @group(0) @binding(4) var<storage, read_write> hits: array<DaaHit>;
-override any: bool = false;
+override flags: u32 = 0u;
 override through: u32 = DAA_MISS;
 
-fn daa_ray_solid(material: u32, uv: vec2f) -> bool {
-    // Holes in a checker of 1/8.
+fn daa_ray_solid(material: u32, uv: vec2f, user: u32) -> bool {
+    // Holes in a checker of 1/8, and where the first byte is below a half.
     let cell = vec2i(floor(uv * 8.0));
-    return ((cell.x ^ cell.y) & 1) == i32(material);
+    return ((cell.x ^ cell.y) & 1) == i32(material) && (user & 0xffu) >= 0x80u;
 }
 
 @compute @workgroup_size(64)
 fn trace(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let index = id.y * groups.x * 64u + id.x;
     if index < arrayLength(&rays) {
-        hits[index] = daa_trace(rays[index], any, through);
+        hits[index] = daa_trace(rays[index], flags, through);
     }
 }
 ";
@@ -66,8 +66,9 @@ struct Tracer {
     tier: RayTier,
     gpu: Gpu,
     scene: RayScene,
-    /// The first hit; any; any but the back faces of object 3.
-    pipelines: [wgpu::ComputePipeline; 3],
+    /// The nearest hit; any; any but the back faces of object 3; the nearest where back faces are culled; any that casts
+    /// a shadow.
+    pipelines: [wgpu::ComputePipeline; 5],
 }
 
 /// Runs a test on each tier that the adapter has; says so where it has no ray query.
@@ -96,14 +97,14 @@ impl Tracer {
             label: Some("rays"),
             source: wgpu::ShaderSource::Wgsl(source.into()),
         });
-        let pipelines = [(0.0, MISS), (1.0, MISS), (1.0, 3)].map(|(any, through)| {
+        let pipelines = [(0.0, MISS), (1.0, MISS), (1.0, 3), (2.0, MISS), (5.0, MISS)].map(|(flags, through)| {
             gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                 label: Some("rays"),
                 layout: None,
                 module: &module,
                 entry_point: Some("trace"),
                 compilation_options: wgpu::PipelineCompilationOptions {
-                    constants: &[("any", any), ("through", f64::from(through))],
+                    constants: &[("flags", flags), ("through", f64::from(through))],
                     ..Default::default()
                 },
                 cache: None,
@@ -179,7 +180,7 @@ impl Tracer {
 }
 
 fn instance(mesh: MeshId, world: Affine3A) -> Instance {
-    Instance { mesh, world, material: 0, object: 3, user: 0 }
+    Instance { object: 3, ..Instance::new(mesh, world) }
 }
 
 /// Numbers from −1 to 1, the same each time.
@@ -492,7 +493,8 @@ fn holes_and_back_faces_let_rays_through() {
             normal: [0.0, 0.0, 1.0],
             tangent: [1.0, 0.0, 0.0, 1.0],
             uv: [u, v],
-            user: 7,
+            // A quarter at one edge, three at the other.
+            user: if u == 0.0 { 0x40 } else { 0xc0 },
         });
         let [grid, plain] = [true, false].map(|masked| {
             let mesh = Mesh {
@@ -515,12 +517,13 @@ fn holes_and_back_faces_let_rays_through() {
             .iter()
             .map(|&(x, y)| ray(vec3((x as f32 + 0.5) / 8.0, (y as f32 + 0.4) / 8.0, 2.0), -Vec3::Z))
             .collect();
-        for (hit, (x, y)) in tracer.trace(&rays, false).iter().zip(&cells) {
-            assert_eq!((hit.instance, hit.t.round()), if (x ^ y) & 1 == 0 { (0, 2.0) } else { (1, 3.0) }, "{x} {y}");
+        let open = |(x, y): &(u32, u32)| (x ^ y) & 1 == 1 || *x < 4;
+        for (hit, cell) in tracer.trace(&rays, false).iter().zip(&cells) {
+            assert_eq!((hit.instance, hit.t.round()), if open(cell) { (1, 3.0) } else { (0, 2.0) }, "{cell:?}");
         }
         let short: Vec<_> = rays.iter().map(|r| GpuRay { t_max: 2.5, ..*r }).collect();
-        for (hit, (x, y)) in tracer.trace(&short, true).iter().zip(&cells) {
-            assert_eq!(hit.instance == MISS, (x ^ y) & 1 == 1, "{x} {y}");
+        for (hit, cell) in tracer.trace(&short, true).iter().zip(&cells) {
+            assert_eq!(hit.instance == MISS, open(cell), "{cell:?}");
         }
         // From behind, both are of the object that counts from the front alone, then of another.
         let backwards: Vec<_> =
@@ -535,6 +538,40 @@ fn holes_and_back_faces_let_rays_through() {
             .map(|(mesh, world)| Instance { object: 4, ..instance(mesh, world) });
         tracer.update(&others, Vec3::ZERO).unwrap();
         assert_eq!(stopped(&backwards, &tracer), 64);
+        assert_eq!(tracer.gpu.take_errors(), Vec::<String>::new());
+    });
+}
+
+/// Culled back faces are not seen but cast shadows; what casts none is seen. Mirrored instances keep their front.
+#[test]
+fn flags_of_instances_say_which_rays_they_stop() {
+    on_each_tier(|mut tracer| {
+        let square = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+        let mesh = tracer.add(&square, &[0, 1, 2, 0, 2, 3]);
+        let at = |x: f32, flipped: f32| {
+            Affine3A::from_scale_rotation_translation(vec3(1.0, 1.0, flipped), Quat::IDENTITY, vec3(x, 0.0, 0.0))
+        };
+        let plain = |x, flipped| instance(mesh, at(x, flipped));
+        let placed = [
+            plain(0.0, 1.0),
+            Instance { culled: true, ..plain(2.0, 1.0) },
+            Instance { culled: true, ..plain(4.0, -1.0) },
+            Instance { casts_shadow: false, ..plain(6.0, 1.0) },
+        ];
+        tracer.update(&placed, Vec3::ZERO).unwrap();
+        let from = |z: f32| [0.5, 2.5, 4.5, 6.5].map(|x| ray(vec3(x, 0.25, z), vec3(0.0, 0.0, -z)));
+        let hit = |z: f32, pipeline: usize| -> Vec<bool> {
+            tracer.run(&from(z), &tracer.pipelines[pipeline]).iter().map(|hit| hit.instance != MISS).collect()
+        };
+        // A flip turns the side on which the vertices run counterclockwise in the world, but not in the mesh.
+        for (pipeline, front, back) in [
+            (0, [true; 4], [true; 4]),
+            (3, [true, true, false, true], [true, false, true, true]),
+            (4, [true, true, true, false], [true, true, true, false]),
+        ] {
+            assert_eq!(hit(1.0, pipeline), front, "{:?}, {pipeline}", tracer.tier);
+            assert_eq!(hit(-1.0, pipeline), back, "{:?}, {pipeline}", tracer.tier);
+        }
         assert_eq!(tracer.gpu.take_errors(), Vec::<String>::new());
     });
 }

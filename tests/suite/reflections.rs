@@ -76,6 +76,25 @@ fn a_mirror_shows_what_the_law_of_reflection_says() {
     assert!(statistics.reflection_rays > 300 && statistics.refraction_rays == 0);
 }
 
+/// What the camera would not see from behind, a mirror does not show from behind.
+#[test]
+fn a_mirror_shows_no_culled_faces() {
+    let camera = looking(vec3(0.0, 1.5, 5.0), Vec3::ZERO, 0.1);
+    // The lamp faces up, away from the floor.
+    let picture = |double_sided: bool, there: bool| {
+        let mut made = under_a_lamp(metal());
+        made.materials[1].double_sided = double_sided;
+        made.instances[1].world_from_mesh = Mat4::from_translation(vec3(0.0, 2.0, 0.0));
+        made.instances.truncate(1 + usize::from(there));
+        let mut host = host(made, 1, [48, 36]);
+        host.frame(&camera, full()).unwrap();
+        host.picture().rgba
+    };
+    let none = picture(false, false);
+    assert_eq!(picture(false, true), none);
+    assert!(picture(true, true).iter().filter(|c| c[0] > 2.0).count() > 30);
+}
+
 /// A body of glass with the index of air is not there; a ball with that of glass turns what lies behind it upside down.
 #[test]
 fn glass_refracts_as_its_index_says() {

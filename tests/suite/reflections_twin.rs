@@ -1,7 +1,7 @@
 //! Mirrored and refracted rays against the twin: a hook shows what their hits are shaded from, one attribute a sample.
 
 use crate::harness::target;
-use crate::shadows::{looking, tiers};
+use crate::shadows::{looking, owner, tiers};
 use bytemuck::pod_collect_to_vec;
 use deferred_aa::glam::{DAffine3, DVec3, Mat4, Vec2, Vec3, Vec4, vec3};
 use deferred_aa::rays::{Attributes, RayTier};
@@ -290,7 +290,7 @@ fn samples() -> impl Iterator<Item = (u32, u32, u32)> {
 /// What the twin makes of all samples of that G-buffer.
 fn expected(scene: &Scene, seen: &Seen) -> Vec<Reflections> {
     let eye = seen.camera.world_from_view.w_axis.truncate().as_dvec3();
-    let (mut triangles, mut objects, mut attributes) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut triangles, mut owners, mut attributes) = (Vec::new(), Vec::new(), Vec::new());
     for i in &scene.instances {
         let mesh = &scene.meshes[i.mesh];
         let positions: Vec<_> = mesh.positions.iter().map(|p| p.to_array()).collect();
@@ -305,7 +305,7 @@ fn expected(scene: &Scene, seen: &Seen) -> Vec<Reflections> {
         let world = DAffine3::from_mat4(i.world_from_mesh.as_dmat4());
         triangles.extend(twin::place(&positions, &mesh.indices, world, eye));
         attributes.extend(place(&vertices, &mesh.indices, world, mesh.material as u32));
-        objects.resize(triangles.len(), (u32::from(i.object), i.world_from_mesh.determinant() < 0.0));
+        owners.resize(triangles.len(), owner(scene, i));
     }
     let input = Input {
         trace: &trace::Input {
@@ -314,11 +314,11 @@ fn expected(scene: &Scene, seen: &Seen) -> Vec<Reflections> {
             depth: &seen.depth,
             surface: &seen.surface,
             frame: &seen.frame,
-            // The meshes lie around their own origins.
-            least_offset: 0.0,
+            // The offset by distance is greater here.
+            least_offsets: &[],
             lights: &lights(),
             triangles: &triangles,
-            objects: &objects,
+            owners: &owners,
         },
         uv: &seen.uv,
         m: M,

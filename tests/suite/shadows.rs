@@ -4,19 +4,24 @@ use bytemuck::pod_collect_to_vec;
 use deferred_aa::glam::{DAffine3, Mat4, Vec2, Vec3, Vec4, vec3};
 use deferred_aa::rays::{QUERY_FEATURES, RayTier};
 use deferred_aa::reference::rays as twin;
-use deferred_aa::reference::rays::trace::Input;
-use deferred_aa::{DeferredAa, Effect, Execution, PlanWord, Reconstructed, Settings, Technique, sample_order};
+use deferred_aa::reference::rays::trace::{Input, Owner};
+use deferred_aa::{
+    DeferredAa, Effect, Execution, GBufferTier, Ids, PlanWord, Reconstructed, Settings, Technique, sample_order,
+};
 use deferred_aa_demo::gpu::{self, Gpu};
 use deferred_aa_demo::host::{Host, Options};
 use deferred_aa_demo::picture::Picture;
 use deferred_aa_demo::quality::{edge_psnr, psnr};
 use deferred_aa_demo::raster::node_camera;
 use deferred_aa_demo::rays::casting_lights;
-use deferred_aa_demo::scene::{Camera, Instance, Light, LightKind, Mesh, Scene, Sun, builtin};
+use deferred_aa_demo::scene::{Camera, Instance, Light, LightKind, Material, Mesh, Scene, Sun, builtin};
 
 pub fn host_on(scene: Scene, m: u32, [width, height]: [u32; 2], rays: RayTier) -> Host {
+    host_with(scene, Options { anisotropy: 4, rays, ..Options::new(width, height, m) })
+}
+
+fn host_with(scene: Scene, options: Options) -> Host {
     let adapter = gpu::choose(std::env::var("WGPU_ADAPTER_NAME").ok().as_deref()).expect("tests need an adapter");
-    let options = Options { anisotropy: 4, rays, ..Options::new(width, height, m) };
     let gpu = Gpu::new(adapter, &options.descriptor()).expect("a device");
     Host::new(gpu, scene, options).expect("a host")
 }
@@ -39,6 +44,13 @@ pub fn tiers() -> Vec<RayTier> {
     vec![RayTier::Software]
 }
 
+/// The tiers of the G-buffer that the adapter has.
+fn gbuffers() -> Vec<GBufferTier> {
+    let mut all = vec![GBufferTier::default()];
+    all.extend(crate::visibility::has_ids().then_some(GBufferTier::Visibility(Ids::Wide)));
+    all
+}
+
 /// The bits of the last frame, `[y · width + x][rank]`; 0 for samples that were not traced.
 pub fn bits(host: &Host) -> Vec<Vec<u32>> {
     let passed = host.aa.intermediates().expect("a size");
@@ -48,6 +60,17 @@ pub fn bits(host: &Host) -> Vec<Vec<u32>> {
     let at = |x, y, rank| passed.traced.place(&plan, x, y, rank).map_or(0, |place| all[place]);
     let pixels = (0..host.options.height).flat_map(|y| (0..host.options.width).map(move |x| (x, y)));
     pixels.map(|(x, y)| (0..n).map(|rank| at(x, y, rank)).collect()).collect()
+}
+
+/// What rays need to know of an instance.
+pub fn owner(scene: &Scene, i: &Instance) -> Owner {
+    let material = &scene.materials[scene.meshes[i.mesh].material];
+    Owner {
+        object: i.object.into(),
+        mirrored: i.world_from_mesh.determinant() < 0.0,
+        culled: !material.double_sided,
+        casts_shadow: material.transmission < 0.5,
+    }
 }
 
 /// Without what has holes.
@@ -62,13 +85,13 @@ fn bits_are_those_of_the_twin_on_each_tier() {
         let scene = solid(builtin::builtin(name).unwrap());
         let camera = scene.default_camera();
         let eye = camera.eye.as_dvec3();
-        let (mut triangles, mut objects) = (Vec::new(), Vec::new());
+        let (mut triangles, mut owners) = (Vec::new(), Vec::new());
         for i in &scene.instances {
             let mesh = &scene.meshes[i.mesh];
             let positions: Vec<_> = mesh.positions.iter().map(|p| p.to_array()).collect();
             let world = DAffine3::from_mat4(i.world_from_mesh.as_dmat4());
             triangles.extend(twin::place(&positions, &mesh.indices, world, eye));
-            objects.resize(triangles.len(), (u32::from(i.object), i.world_from_mesh.determinant() < 0.0));
+            owners.resize(triangles.len(), owner(&scene, i));
         }
         let lights = casting_lights(&scene, scene.sun.is_some_and(|s| s.casts));
         let all = (1u32 << lights.len()) - 1;
@@ -86,10 +109,10 @@ fn bits_are_those_of_the_twin_on_each_tier() {
                 depth: &host.depths(),
                 surface: &surface,
                 frame: &frame,
-                least_offset: f64::from(host.rays.as_ref().unwrap().scene.least_offset()),
+                least_offsets: host.rays.as_ref().unwrap().scene.least_offsets(),
                 lights: &lights,
                 triangles: &triangles,
-                objects: &objects,
+                owners: &owners,
             };
             let found = bits(&host);
             let (mut traced, mut unsure, mut shadowed) = (0, 0, 0);
@@ -290,6 +313,99 @@ fn vertices_far_from_their_own_origin_do_not_shadow_themselves() {
             let dark = bits(&host).iter().flatten().filter(|&&b| b != 0).count();
             assert_eq!(dark, 0, "{own} {tier:?}: shadows itself");
         }
+    }
+}
+
+/// Rays that leave one mesh start where they would without another one, however that was made.
+#[test]
+fn a_mesh_far_from_its_own_origin_leaves_the_shadows_of_others_alone() {
+    let by = Mat4::from_translation(vec3(4.5e6, 0.0, 0.0));
+    let mut moved = square();
+    moved.positions.iter_mut().for_each(|p| *p = by.transform_point3(*p));
+    let over = Mat4::from_translation(vec3(0.0, 1e-3, 0.0)) * Mat4::from_rotation_x(std::f32::consts::PI);
+    let small = over * Mat4::from_scale(Vec3::splat(0.5));
+    let mut with = scene(vec![square(), moved], &[(0, Mat4::IDENTITY), (0, small), (1, by.inverse())]);
+    with.instances[2].world_from_mesh.w_axis.z -= 20.0;
+    with.sun = sun(vec3(0.1, 1.0, 0.2));
+    let mut without = with.clone();
+    without.instances.pop();
+    let camera = looking(vec3(0.3, 3.0, 2.5), Vec3::ZERO, 0.01);
+    for tier in tiers() {
+        let [with, without] = [&with, &without].map(|scene| {
+            let mut host = host_on(scene.clone(), 2, [48, 48], tier);
+            host.frame(&camera, full()).unwrap();
+            let offsets = host.rays.as_ref().unwrap().scene.least_offsets().to_vec();
+            (bits(&host), offsets)
+        });
+        assert!(with.1[3] > 1.0 && with.1[1] < 1e-5, "{tier:?}: {:?}", with.1);
+        // The small square's shadow, and nothing of the far mesh in view.
+        let dark = without.0.iter().flatten().filter(|&&b| b != 0).count();
+        assert!(dark > 500, "{tier:?}: {dark}");
+        assert_eq!(with.0, without.0, "{tier:?}");
+    }
+}
+
+/// A ground of 40 km, on which f32 can't tell where a ray starts as well as it could on a small one.
+#[test]
+fn a_large_ground_under_a_near_eye_does_not_shadow_itself() {
+    for half in [100.0f32, 2e4, 1e6] {
+        for tier in tiers() {
+            for gbuffer in gbuffers() {
+                let turn = Mat4::from_rotation_x(0.01) * Mat4::from_rotation_z(0.02);
+                let mut plain = scene(vec![square()], &[(0, turn * Mat4::from_scale(Vec3::splat(half)))]);
+                plain.sun = sun(vec3(0.6, 0.3, 0.8));
+                let camera = looking(vec3(0.0, 1.7, 0.0), vec3(3.0, 1.2, -5.0), 0.1);
+                let options = Options { rays: tier, gbuffer, ..Options::new(48, 48, 2) };
+                let mut host = host_with(plain, options);
+                let statistics = host.frame(&camera, full()).unwrap().statistics;
+                assert!(statistics.shadow_rays > 2000, "{half} {tier:?} {gbuffer:?}");
+                let dark = bits(&host).iter().flatten().filter(|&&b| b != 0).count();
+                assert_eq!(dark, 0, "{half} {tier:?} {gbuffer:?}: of {}", statistics.shadow_rays);
+            }
+        }
+    }
+}
+
+/// The shadow of a masked square has the hole that its vertex colours cut.
+#[test]
+fn holes_of_vertex_colours_let_light_through() {
+    for tier in tiers() {
+        let above = Mat4::from_translation(vec3(0.0, 1.0, 0.0));
+        let mut cut = scene(vec![square(), square()], &[(0, Mat4::from_scale(Vec3::splat(3.0))), (1, above)]);
+        cut.meshes[1].material = 1;
+        let plain = cut.materials[0].clone();
+        cut.materials = vec![plain.clone(), Material { alpha_cutoff: Some(0.5), double_sided: true, ..plain }];
+        for (p, color) in cut.meshes[1].positions.clone().iter().zip(&mut cut.meshes[1].colors) {
+            color.w = if p.x < 0.0 { 0.0 } else { 1.0 };
+        }
+        cut.sun = sun(Vec3::Y);
+        let camera = looking(vec3(0.0, 0.7, 0.5), Vec3::ZERO, 0.01);
+        let mut host = host_on(cut, 1, [40, 40], tier);
+        host.frame(&camera, full()).unwrap();
+        let found = bits(&host);
+        let half = |columns: std::ops::Range<usize>| {
+            columns.flat_map(|x| (0..40).map(move |y| y * 40 + x)).filter(|&i| found[i][0] != 0).count()
+        };
+        assert_eq!((half(0..19), half(21..40)), (0, 19 * 40), "{tier:?}");
+    }
+}
+
+/// Light passes clear glass; what transmits nothing keeps it.
+#[test]
+fn light_passes_clear_glass() {
+    for tier in tiers() {
+        let dark = [0.0, 1.0].map(|transmission| {
+            let above = Mat4::from_translation(vec3(0.0, 1.0, 0.0));
+            let mut made = scene(vec![square(), square()], &[(0, Mat4::from_scale(Vec3::splat(3.0))), (1, above)]);
+            made.meshes[1].material = 1;
+            let plain = made.materials[0].clone();
+            made.materials = vec![plain.clone(), Material { transmission, ..plain }];
+            made.sun = sun(Vec3::Y);
+            let mut host = host_on(made, 1, [40, 40], tier);
+            host.frame(&looking(vec3(0.0, 0.9, 0.01), Vec3::ZERO, 0.01), full()).unwrap();
+            bits(&host).iter().flatten().filter(|&&b| b != 0).count()
+        });
+        assert_eq!(dark, [1600, 0], "{tier:?}");
     }
 }
 

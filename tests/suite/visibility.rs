@@ -290,11 +290,9 @@ fn deformed_meshes_show_their_moved_vertices() {
         let meshes: Vec<_> = built.iter().map(|mesh| rays.add(device, queue, &mut encoder, mesh).unwrap()).collect();
         let instances: Vec<_> = (before.instances.iter())
             .map(|i| Instance {
-                mesh: meshes[i.mesh],
-                world: Affine3A::from_mat4(i.world_from_mesh),
                 material: before.meshes[i.mesh].material as u32,
                 object: i.object.into(),
-                user: 0,
+                ..Instance::new(meshes[i.mesh], Affine3A::from_mat4(i.world_from_mesh))
             })
             .collect();
         rays.update(device, queue, &mut encoder, &instances, camera.eye).unwrap();
@@ -562,7 +560,7 @@ fn meshes_and_instances_that_do_not_serve_are_refused() {
     let refused = drawn.deform(queue, mesh, &[positions[0], bad, positions[2]], &attributes).unwrap_err();
     assert_eq!(refused.to_string(), vertex.to_string());
     assert!(matches!(drawn.deform(queue, mesh, &positions[1..], &attributes), Err(RayError::Attributes { .. })));
-    let instance = Instance { mesh, world: Affine3A::IDENTITY, material: 65_535, object: 65_535, user: 0 };
+    let instance = Instance { material: 65_535, object: 65_535, ..Instance::new(mesh, Affine3A::IDENTITY) };
     let mut update = |instance| drawn.update(device, queue, &mut encoder, &[instance], Vec3::ZERO);
     assert_eq!(update(instance), Ok(()));
     let too_many = |what| RayError::Id { instance: 0, what, id: 65_536 };

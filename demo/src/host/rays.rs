@@ -120,12 +120,14 @@ fn bottom_level(scene: &Scene, mesh: &scene::Mesh, tree: bool) -> Result<BottomL
 }
 
 fn instance(scene: &Scene, meshes: &[MeshId], i: &scene::Instance) -> rays::Instance {
+    let index = scene.meshes[i.mesh].material;
+    let material = &scene.materials[index];
     rays::Instance {
-        mesh: meshes[i.mesh],
-        world: Affine3A::from_mat4(i.world_from_mesh),
-        material: scene.meshes[i.mesh].material as u32,
+        material: index as u32,
         object: u32::from(i.object),
-        user: 0,
+        culled: !material.double_sided,
+        casts_shadow: material.transmission < CLEAR,
+        ..rays::Instance::new(meshes[i.mesh], Affine3A::from_mat4(i.world_from_mesh))
     }
 }
 
@@ -141,6 +143,9 @@ pub fn casting_lights(scene: &Scene, sun: bool) -> Vec<CastingLight> {
     let sun = scene.sun.filter(|_| sun).map(|s| CastingLight::Directional { towards: s.to_sun });
     lights.chain(sun).collect()
 }
+
+/// The transmission from which a material lets the light of lamps and the sun through.
+const CLEAR: f32 = 0.5;
 
 /// Materials smooth enough to be traced as mirrors, by perceptual roughness.
 const MIRROR_ROUGHNESS: f32 = 0.2;

@@ -64,9 +64,9 @@ fn material(s: DaaSample) -> DaaMaterial {
 }
 
 /// Where a masked material stops a ray: at the finest mip, for a ray has no footprint here.
-fn solid(material: u32, uv: vec2f) -> bool {
+fn solid(material: u32, uv: vec2f, user: u32) -> bool {
     let index = min(material, arrayLength(&materials) - 1u);
-    var alpha = materials[index].base_color.a;
+    var alpha = materials[index].base_color.a * unpack4x8unorm(user).a;
     if materials[index].textures[BASE_COLOR] != NO_TEXTURE {
         alpha *= material_texture(index, BASE_COLOR, uv, vec2f(0.0), vec2f(0.0)).a;
     }

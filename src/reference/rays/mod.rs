@@ -51,12 +51,18 @@ fn weights(ray: &Ray, [a, b, c]: [DVec3; 3]) -> Option<([f64; 3], f64, f64)> {
 
 /// The nearest triangle that the ray hits; of several at the same t, the first in the list.
 pub fn closest(ray: &Ray, triangles: &[[DVec3; 3]]) -> Option<Hit> {
+    closest_where(ray, triangles, |_| true)
+}
+
+/// The nearest hit of the ray that stops it.
+pub fn closest_where(ray: &Ray, triangles: &[[DVec3; 3]], stops: impl Fn(&Hit) -> bool) -> Option<Hit> {
     let mut first: Option<Hit> = None;
     for (triangle, &corners) in triangles.iter().enumerate() {
         let Some((w, t, volume)) = weights(ray, corners) else { continue };
         let inside = w.iter().all(|&w| w >= 0.0) && t > ray.t_min && t < ray.t_max;
-        if inside && first.is_none_or(|f| t < f.t) {
-            first = Some(Hit { t, triangle, front: volume > 0.0, barycentrics: DVec2::new(w[1], w[2]) });
+        let hit = Hit { t, triangle, front: volume > 0.0, barycentrics: DVec2::new(w[1], w[2]) };
+        if inside && first.is_none_or(|f| t < f.t) && stops(&hit) {
+            first = Some(hit);
         }
     }
     first

@@ -130,7 +130,7 @@ impl Input<'_> {
         }
         let b = (self.reflect)(&s);
         let cone = self.cone(x, y, &s);
-        let offset = self.trace.ray_offset(s.relative_position);
+        let offset = self.trace.ray_offset(s.relative_position, s.object);
         for (kind, weight) in [b.reflection, b.refraction].into_iter().enumerate() {
             if !self.kinds[kind] || weight.max_element() <= 0.0 {
                 continue;
@@ -209,11 +209,11 @@ impl Input<'_> {
     /// `daa_met`: the surface that a ray from `of` hit, and whether it is seen from the front.
     fn met(&self, of: &Sample, ray: &Ray, hit: &Hit, cone: Cone) -> (Sample, bool) {
         let a = &self.attributes[hit.triangle];
-        let (object, mirrored) = self.trace.objects[hit.triangle];
+        let owner = &self.trace.owners[hit.triangle];
         let [p0, p1, p2] = self.trace.triangles[hit.triangle];
         let w = [1.0 - hit.barycentrics.x - hit.barycentrics.y, hit.barycentrics.x, hit.barycentrics.y];
         // Corners run counterclockwise in the mesh's own space.
-        let front = hit.front != mirrored;
+        let front = owner.front(hit);
         let side = if front { 1.0 } else { -1.0 };
         let flat_normal = (p1 - p0).cross(p2 - p0);
         let seen = if hit.front { flat_normal } else { -flat_normal };
@@ -231,7 +231,7 @@ impl Input<'_> {
             relative_position,
             material: a.material,
             view: -ray.direction,
-            object,
+            object: owner.object,
             geometric_normal: seen.normalize(),
             user: triangle::user(a.user, w),
             normal,
@@ -258,15 +258,16 @@ impl Input<'_> {
     }
 
     /// `daa_arriving`: the radiance along a ray that leaves the sample `of`. A refracted ray has an index of refraction
-    /// `inside`.
-    fn arriving(&self, of: &Sample, mut ray: Ray, inside: Option<f64>, mut cone: Cone, sure: &mut bool) -> DVec3 {
-        let end = if inside.is_some() { MAX_PASSAGES } else { 1 };
+    /// `refracted`.
+    fn arriving(&self, of: &Sample, mut ray: Ray, refracted: Option<f64>, mut cone: Cone, sure: &mut bool) -> DVec3 {
+        let end = if refracted.is_some() { MAX_PASSAGES } else { 1 };
+        let mut inside = refracted.is_some();
         for i in 0..end {
-            let Some(hit) = self.first(&ray, sure) else {
+            let Some(hit) = self.first(&ray, inside, sure) else {
                 return self.sky_towards(of, ray.direction);
             };
             let (mut s, front) = self.met(of, &ray, &hit, cone);
-            if let Some(ior) = inside
+            if let Some(ior) = refracted
                 && s.object == of.object
                 && !front
                 && i + 1 < end
@@ -275,9 +276,10 @@ impl Input<'_> {
                 let out = refract(ray.direction, s.normal, ior, sure);
                 let leaves = out != DVec3::ZERO;
                 ray.direction = if leaves { out } else { ray.direction.reflect(s.normal) }.normalize();
-                let offset = self.trace.ray_offset(s.relative_position) * if leaves { -1.0 } else { 1.0 };
+                let offset = self.trace.ray_offset(s.relative_position, s.object) * if leaves { -1.0 } else { 1.0 };
                 ray.origin = s.relative_position + s.geometric_normal * offset;
                 cone.width += cone.spread * hit.t;
+                inside = !leaves;
                 continue;
             }
             let bits = self.trace.bits_at(s.relative_position, s.normal, s.geometric_normal, s.object);
@@ -288,14 +290,19 @@ impl Input<'_> {
         DVec3::ZERO
     }
 
-    /// The nearest triangle that the ray hits.
-    fn first(&self, ray: &Ray, sure: &mut bool) -> Option<Hit> {
+    /// The nearest triangle that stops the ray. Outside of bodies, culled back faces do not.
+    fn first(&self, ray: &Ray, inside: bool, sure: &mut bool) -> Option<Hit> {
         let triangles = self.trace.triangles;
-        let hit = rays::closest(ray, triangles);
+        let stops = |hit: &Hit| {
+            let owner = &self.trace.owners[hit.triangle];
+            inside || !owner.culled || owner.front(hit)
+        };
+        let closest = |ray: &Ray| rays::closest_where(ray, triangles, stops);
+        let hit = closest(ray);
         // The origin itself may lie on other surfaces, as in the corner of two walls.
         let near = ray.origin.length() * 1e-6;
         let from_before = Ray { t_min: -near, ..*ray };
-        *sure &= rays::closest(&from_before, triangles) == hit && hit.is_none_or(|hit| hit.t > near);
+        *sure &= closest(&from_before) == hit && hit.is_none_or(|hit| hit.t > near);
         // Triangles behind the hit do not matter.
         let to_hit = Ray { t_max: hit.map_or(ray.t_max, |hit| hit.t), ..from_before };
         *sure &= triangles.iter().enumerate().all(|(i, triangle)| {

@@ -19,14 +19,34 @@ pub struct Input<'a> {
     pub surface: &'a [[u32; 2]],
     /// The second colour target.
     pub frame: &'a [[u32; 2]],
-    /// The least offset of rays, [`RayScene::least_offset`](crate::rays::RayScene::least_offset).
-    pub least_offset: f64,
+    /// The least offsets of rays by object, [`RayScene::least_offsets`](crate::rays::RayScene::least_offsets).
+    pub least_offsets: &'a [f32],
     /// The lights that cast shadows, [`Needs::shadows`](crate::Needs::shadows).
     pub lights: &'a [CastingLight],
     /// The triangles of all instances.
     pub triangles: &'a [[DVec3; 3]],
-    /// The object of each triangle, and whether its instance mirrors it.
-    pub objects: &'a [(u32, bool)],
+    /// The instance of each triangle.
+    pub owners: &'a [Owner],
+}
+
+/// What rays need to know of a triangle's instance.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Owner {
+    /// The object.
+    pub object: u32,
+    /// Whether the instance mirrors its mesh.
+    pub mirrored: bool,
+    /// [`Instance::culled`](crate::rays::Instance::culled).
+    pub culled: bool,
+    /// [`Instance::casts_shadow`](crate::rays::Instance::casts_shadow).
+    pub casts_shadow: bool,
+}
+
+impl Owner {
+    /// Whether the front of the mesh was hit.
+    pub(super) fn front(&self, hit: &rays::Hit) -> bool {
+        hit.front != self.mirrored
+    }
 }
 
 /// The shadow bits, and which of them rounding could not have changed.
@@ -44,8 +64,9 @@ pub(super) const MARGIN: f64 = 1e-4;
 
 impl Input<'_> {
     /// `daa_ray_offset`.
-    pub(super) fn ray_offset(&self, relative: DVec3) -> f64 {
-        (relative.abs().max_element() * 2f64.powi(-16)).max(self.least_offset)
+    pub(super) fn ray_offset(&self, relative: DVec3, object: u32) -> f64 {
+        let least = self.least_offsets.get(object as usize).copied().unwrap_or(0.0);
+        (relative.abs().max_element() * 2f64.powi(-16)).max(f64::from(least))
     }
 
     /// The bits of the sample at the G-buffer coordinates x, y.
@@ -118,15 +139,15 @@ impl Input<'_> {
             return (true, sure);
         }
         let inside = !decide(geometric.dot(towards), towards.length());
-        let offset = self.ray_offset(position);
+        let offset = self.ray_offset(position, object);
         let origin = position + geometric * if inside { -offset } else { offset };
         let ray = match punctual {
             None => Ray { origin, direction: towards, t_min: 0.0, t_max: 1e30 },
             Some(at) => Ray { origin, direction: at - origin, t_min: 0.0, t_max: 0.9998 },
         };
         let stops = |i: usize, hit: &rays::Hit| {
-            let (owner, mirrored) = self.objects[i];
-            !inside || owner != object || hit.front != mirrored
+            let owner = &self.owners[i];
+            owner.casts_shadow && (!inside || owner.object != object || owner.front(hit))
         };
         let stopped = |ray: &Ray, clearly: bool| {
             self.triangles.iter().enumerate().any(|(i, triangle)| {
