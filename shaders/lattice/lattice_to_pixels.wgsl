@@ -6,13 +6,13 @@
 @group(3) @binding(4) var<storage, read_write> daa_counts: array<u32>;
 @group(3) @binding(5) var<storage, read_write> daa_plan: array<u32>;
 
-/// Whether a window has more than one material or object.
+/// Whether a window has more than one material or object. The sky counts as one.
 fn daa_holds_edge(pixel: vec2u) -> bool {
     let corner = pixel * DAA_M;
-    let identity = daa_identity_at(corner);
+    let identity = daa_seen_identity(corner);
     let n = DAA_M * DAA_M;
     for (var i = 1u; i < n; i++) {
-        if daa_identity_at(corner + vec2u(i % DAA_M, i / DAA_M)) != identity {
+        if any(daa_seen_identity(corner + vec2u(i % DAA_M, i / DAA_M)) != identity) {
             return true;
         }
     }

@@ -12,8 +12,8 @@ fn daa_stands_for_all(pixel: vec2u) -> bool {
     let at_b = corner + vec2u(far, 0u);
     let at_c = corner + vec2u(0u, far);
     let at_d = corner + far;
-    let identity = daa_identity_at(corner);
-    if identity != daa_identity_at(at_b) || identity != daa_identity_at(at_c) || identity != daa_identity_at(at_d) {
+    let own = daa_seen_identity(corner);
+    if any(own != daa_seen_identity(at_b)) || any(own != daa_seen_identity(at_c)) || any(own != daa_seen_identity(at_d)) {
         return false;
     }
     let depth = vec4f(daa_depth_at(corner), daa_depth_at(at_b), daa_depth_at(at_c), daa_depth_at(at_d));

@@ -25,17 +25,16 @@ fn daa_depth_step(a: f32, b: f32, c: f32, d: f32) -> f32 {
 struct DaaWindow {
     /// Number of samples with a surface.
     covered: f32,
-    /// The first depth, and the sums of all depths' differences to it and of their squares.
+    /// The first depth, and the sum of all depths' differences to it.
     depth: f32,
     sum: f32,
-    sum_of_squares: f32,
     /// The greatest depth step between neighbours in a row.
     step: f32,
     /// Sum of the normals. The sky has none.
     normals: vec3f,
     /// The least and the greatest code of a normal.
     codes: vec2u,
-    /// The least and the greatest identity, the sky's included.
+    /// The least and the greatest identity. The sky has none.
     identities: vec2u,
 }
 
@@ -51,15 +50,14 @@ fn daa_window(corner: vec2i, lane: u32) -> DaaWindow {
         for (var x = 0; x < i32(DAA_M); x++) {
             let valid = b > 0.0;
             w.covered += f32(valid);
-            let v = b - w.depth;
-            w.sum += v;
-            w.sum_of_squares += v * v;
+            w.sum += b - w.depth;
             let surface = daa_surface_at(vec2u(corner + vec2i(x, y)));
             daa_keep_code(lane, u32(y * i32(DAA_M) + x), surface.x);
             w.normals += select(vec3f(0.0), daa_octahedral_decode(unpack2x16snorm(surface.x)), valid);
             w.codes.x = select(w.codes.x, min(w.codes.x, surface.x), valid);
             w.codes.y = select(w.codes.y, max(w.codes.y, surface.x), valid);
-            w.identities = vec2u(min(w.identities.x, surface.y), max(w.identities.y, surface.y));
+            w.identities.x = select(w.identities.x, min(w.identities.x, surface.y), valid);
+            w.identities.y = select(w.identities.y, max(w.identities.y, surface.y), valid);
             if x < i32(DAA_M) - 1 {
                 let d = daa_depth(corner + vec2i(x + 2, y));
                 w.step = max(w.step, daa_depth_step(a, b, c, d));
@@ -90,15 +88,26 @@ fn daa_depth_discontinuity(corner: vec2i, w: DaaWindow) -> f32 {
     return greatest;
 }
 
-/// The variance of the window's depths over their squared mean. Depths are shifted by the first one, since E[d²] −
-/// E[d]² cancels far from zero (Chan, Golub, LeVeque 1983). They are those of the reversed-z buffer, which are linear
-/// in screen space.
-fn daa_depth_variance(w: DaaWindow) -> f32 {
-    let mean = w.sum / f32(DAA_M * DAA_M);
-    let variance = max(w.sum_of_squares / f32(DAA_M * DAA_M) - mean * mean, 0.0);
-    let reference = w.depth + mean;
-    // Divided twice, since the square of a small depth may be a denormal.
-    return select(0.0, variance / reference / reference, reference > DAA_SKY_DEPTH);
+/// The variance of the window's depths over their squared mean. It is computed in two passes, since E[d²] − E[d]²
+/// cancels far from zero, and corrected for the rounding of the mean (Chan, Golub, LeVeque 1983). Differences are divided
+/// by the mean before they are squared: the square of a small depth is a denormal. Depths are those of the reversed-z
+/// buffer, which are linear in screen space.
+fn daa_depth_variance(corner: vec2i, w: DaaWindow) -> f32 {
+    let n = f32(DAA_M * DAA_M);
+    let mean = w.depth + w.sum / n;
+    if mean <= 0.0 {
+        return 0.0;
+    }
+    var sum = 0.0;
+    var sum_of_squares = 0.0;
+    for (var y = 0; y < i32(DAA_M); y++) {
+        for (var x = 0; x < i32(DAA_M); x++) {
+            let off = (daa_depth(corner + vec2i(x, y)) - mean) / mean;
+            sum += off;
+            sum_of_squares += off * off;
+        }
+    }
+    return max(sum_of_squares - sum * sum / n, 0.0) / n;
 }
 
 /// √(1 − min n̄·n) over the window's normals. It is computed by chords, 1 − n̄·n = |n̄ − n|²/2, which is precise at
@@ -133,7 +142,7 @@ fn daa_normal_cone(corner: vec2u, w: DaaWindow, lane: u32) -> f32 {
 
 /// Whether the window has more than one material or object. The sky counts as one.
 fn daa_mixed_identity(w: DaaWindow) -> bool {
-    return w.identities.x != w.identities.y || (w.covered > 0.0 && w.covered < f32(DAA_M * DAA_M));
+    return w.covered > 0.0 && (w.identities.x != w.identities.y || w.covered < f32(DAA_M * DAA_M));
 }
 
 /// Whether the window's first sample has other shadow bits than that of a direct neighbour. The sky is ignored.
@@ -212,7 +221,7 @@ fn daa_metrics_main(
         if daa_flag(DAA_FLAG_DEPTH_PLANE) {
             depth = daa_depth_discontinuity(vec2i(corner), window);
         } else {
-            depth = daa_depth_variance(window);
+            depth = daa_depth_variance(vec2i(corner), window);
         }
         let wanted = daa_frame.windowed.depth_scale * depth;
         by = select(by, DAA_BY_DEPTH, wanted > k);

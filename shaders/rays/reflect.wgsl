@@ -95,6 +95,22 @@ fn daa_met(pixel: vec2u, rank: u32, ray: DaaRay, hit: DaaHit, cone: DaaCone) -> 
     return DaaMet(s, hit.front != 0u);
 }
 
+/// Radiance after its clean-up, whose faults are counted as those of samples are.
+fn daa_counted(c: vec4f) -> vec3f {
+    let clean = daa_clean(c);
+    if clean.what == DAA_NOT_FINITE {
+        atomicAdd(&daa_statistics.not_finite, 1u);
+    } else if clean.what == DAA_NEGATIVE {
+        atomicAdd(&daa_statistics.negative, 1u);
+    }
+    return clean.color.rgb;
+}
+
+/// Whether all components are numbers, by their bits.
+fn daa_is_finite(v: vec3f) -> bool {
+    return all((bitcast<vec3u>(v) & vec3u(0x7f800000u)) != vec3u(0x7f800000u));
+}
+
 fn daa_sky_towards(pixel: vec2u, rank: u32, direction: vec3f) -> vec3f {
     var s: DaaSample;
     s.pixel = pixel + daa_frame.origin;
@@ -102,7 +118,7 @@ fn daa_sky_towards(pixel: vec2u, rank: u32, direction: vec3f) -> vec3f {
     s.view = -direction;
     s.relative_position = direction;
     s.position = direction + daa_frame.camera_position;
-    return daa_clean(daa_call_sky(s)).color.rgb;
+    return daa_counted(daa_call_sky(s));
 }
 
 /// The radiance along a ray that leaves a surface of `object`. A refracted ray passes through the back faces of the
@@ -139,7 +155,7 @@ fn daa_arriving(pixel: vec2u, rank: u32, from_point: vec3f, towards: vec3f, refr
         // The lowest bit of the normal's code is set, so that no hit has the code 0.
         let code = pack2x16snorm(daa_octahedral_encode(s.normal)) | 1u;
         daa_last_hit = vec3u((s.object & 0xffffu) | (s.material << 16u), code, s.shadow);
-        return daa_clean(daa_call_hook(s, 1.0)).color.rgb;
+        return daa_counted(daa_call_hook(s, 1.0));
     }
     daa_last_hit = vec3u(0u);
     return vec3f(0.0);
@@ -197,6 +213,10 @@ fn daa_reflect_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocati
             if kind == 1u {
                 direction = refract(-s.view, b.normal, 1.0 / max(b.ior, 1e-3));
             }
+            if !daa_is_finite(direction) {
+                atomicAdd(&daa_statistics.not_finite, 1u);
+                continue;
+            }
             if dot(direction, direction) == 0.0 {
                 continue;
             }
@@ -222,7 +242,7 @@ fn daa_reflect_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocati
             }
         }
         if traced {
-            let code = daa_radiance_encode(daa_clean(vec4f(sum, 1.0)).color.rgb);
+            let code = daa_radiance_encode(daa_counted(vec4f(sum, 1.0)));
             if caster.inside {
                 daa_reflections[place] = code;
             }

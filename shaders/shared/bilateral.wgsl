@@ -25,7 +25,7 @@ fn daa_geometry_of(pixel: vec2u, rank: u32, d: f32, surface: vec2u) -> DaaGeomet
     let position = daa_relative_position(vec2f(at) + 0.5, select(1.0, d, valid));
     let depth = select(0.0, dot(position, daa_frame.camera_forward), valid);
     let normal = daa_octahedral_decode(unpack2x16snorm(surface.x));
-    return DaaGeometry(position, depth, normal, surface.y, select(0u, daa_shadow_bits(pixel, rank), valid));
+    return DaaGeometry(position, depth, normal, select(0u, surface.y, valid), select(0u, daa_shadow_bits(pixel, rank), valid));
 }
 
 /// The weight of a shaded sample j for a geometric sample i, 0 to 1.

@@ -95,6 +95,12 @@ fn daa_relative_position(xy: vec2f, d: f32) -> vec3f {
     return p.xyz / p.w;
 }
 
+/// material | object << 16 of what a sample shows, and whether that is the sky, which has one identity.
+fn daa_seen_identity(at: vec2u) -> vec2u {
+    let sky = daa_depth_at(at) <= DAA_SKY_DEPTH;
+    return vec2u(select(daa_identity_at(at), 0u, sky), u32(sky));
+}
+
 /// Reads a sample. `footprint` scales the uv gradients; `offset` shifts the texture lookup along the surface, in
 /// samples.
 fn daa_fetch(pixel: vec2u, rank: u32, footprint: f32, offset: vec2f) -> DaaSample {

@@ -237,6 +237,14 @@ pub enum RecordError {
     /// The camera can't be inverted.
     #[error("the camera's {0} is singular or not finite; {mend}", mend = camera_mend(.0))]
     Camera(&'static str),
+    /// The projection shows what lies behind the camera.
+    #[error(
+        "the projection looks along +z of the view, and the node along -z; where the host's view is left-handed, negate the third columns of clip_from_view and of world_from_view"
+    )]
+    Handedness,
+    /// The near plane, or what an orthographic camera shows of it, is too far away.
+    #[error("a corner of the near plane is {0:e} units from the camera; positions are f32, so give at most 1e8")]
+    NearPlane(f32),
     /// Exposure is not a positive number.
     #[error("exposure is {0}; it is a finite factor above 0, 1 if the host has none")]
     Exposure(f32),

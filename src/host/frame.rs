@@ -75,6 +75,10 @@ impl<'a> Frame<'a> {
 }
 
 impl Camera {
+    /// The greatest distance to a corner of the near plane. Up to it, the least depth that is no sky still has a
+    /// position in f32.
+    const FARTHEST_NEAR: f32 = 1e8;
+
     /// Whether depth falls with distance. The camera must be invertible.
     pub(crate) fn is_reversed(&self) -> bool {
         let depth = |distance: f64| {
@@ -84,8 +88,9 @@ impl Camera {
         depth(1.0) > depth(2.0)
     }
 
+    /// Whether all points have the same w, whatever that is.
     pub(crate) fn is_orthographic(&self) -> bool {
-        self.clip_from_view.row(3) == glam::Vec4::W
+        self.clip_from_view.row(3).truncate() == Vec3::ZERO
     }
 
     /// The transform from clip space to positions relative to the camera, the camera's position, and its view
@@ -108,6 +113,17 @@ impl Camera {
         let forward = -world_from_view.z_axis.truncate().normalize().as_vec3();
         if !relative_from_clip.is_finite() {
             return Err(RecordError::Camera("projection"));
+        }
+        let ahead = clip_from_view * DVec4::new(0.0, 0.0, -1.0, if self.is_orthographic() { 1.0 } else { 0.0 });
+        if ahead.w <= 0.0 {
+            return Err(RecordError::Handedness);
+        }
+        for [x, y] in [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]] {
+            let corner = view_from_clip * DVec4::new(x, y, 1.0, 1.0);
+            let distance = (corner.truncate() / corner.w).length();
+            if !(distance <= f64::from(Self::FARTHEST_NEAR)) {
+                return Err(RecordError::NearPlane(distance as f32));
+            }
         }
         Ok((relative_from_clip, self.world_from_view.w_axis.truncate(), forward))
     }

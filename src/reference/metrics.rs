@@ -92,7 +92,7 @@ impl Input<'_> {
         let n = (self.m * self.m) as f64;
         let depths: Vec<f64> = self.samples(px, py).map(|(x, y)| self.depth(x as isize, y as isize)).collect();
         let mean = depths.iter().sum::<f64>() / n;
-        if mean <= f64::from(SKY_DEPTH) {
+        if mean <= 0.0 {
             return 0.0;
         }
         depths.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / n / (mean * mean)
@@ -172,7 +172,7 @@ impl Input<'_> {
 
     /// Whether the window has more than one material or object. The sky counts as one.
     pub fn mixed_identity(&self, px: usize, py: usize) -> bool {
-        let identity = |(x, y): (usize, usize)| (self.surface(x, y)[1], self.is_sky(x, y));
+        let identity = |(x, y): (usize, usize)| (!self.is_sky(x, y)).then(|| self.surface(x, y)[1]);
         let mut all = self.samples(px, py).map(identity);
         let first = all.next();
         all.any(|i| Some(i) != first)

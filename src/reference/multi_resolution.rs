@@ -1,5 +1,6 @@
 //! Twin of `lattice.wgsl`, `residual.wgsl`, `refine.wgsl` and `lattice_to_pixels.wgsl` in `shaders/lattice`.
 
+use super::metrics::SKY_DEPTH;
 use super::reconstruct::{Geometry, View, geometry, weight};
 use crate::gpu::uniforms::lattice::{self, LatticeStep, LatticeSteps, LatticeUse};
 use crate::settings::{LuminanceCurve, MultiResolution, Pattern, Reconstructed};
@@ -368,7 +369,8 @@ impl Input<'_> {
         }
         let identity = |i: u32| {
             let (sx, sy) = (x * self.m + i % self.m, y * self.m + i / self.m);
-            self.surface[(sy * self.size[0] * self.m + sx) as usize][1]
+            let at = (sy * self.size[0] * self.m + sx) as usize;
+            (self.depth[at] > SKY_DEPTH).then(|| self.surface[at][1])
         };
         let holds_edge = (1..n).any(|i| identity(i) != identity(0));
         if residual.by == by::POSITION || (settings.veto && holds_edge) {

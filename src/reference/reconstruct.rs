@@ -192,7 +192,7 @@ pub(super) fn geometry(
         position,
         depth: if valid { position.dot(view.forward) } else { 0.0 },
         normal: octahedral::decode(surface[at][0]),
-        identity: surface[at][1],
+        identity: if valid { surface[at][1] } else { 0 },
         shadow: if valid { shadow(x, y, rank) } else { 0 },
     }
 }

@@ -136,7 +136,7 @@ impl Input<'_> {
     /// `daa_meet`.
     fn meet(&self, t: &Triangle, xy: DVec2) -> Meeting {
         let near = relative_position(&self.camera, self.samples, xy, 1.0);
-        let parallel = self.camera.clip_from_view.row(3) == glam::Vec4::W;
+        let parallel = self.camera.is_orthographic();
         let (origin, direction) = if parallel {
             (near, -self.camera.world_from_view.z_axis.truncate().as_dvec3().normalize())
         } else {

@@ -2,6 +2,7 @@
 
 use crate::harness::{Output, Rig, SHOW_USER, Sample, WHITE, camera, noise, rgba8, stored_normal};
 use crate::textures::{SHOW_TEXTURE, Textured, fixed_k, full, level, mip_ruler, single, texture, tiers};
+use deferred_aa::glam::camera::rh::proj::directx;
 use deferred_aa::glam::{DVec3, Mat4, Vec2, Vec3, Vec4};
 use deferred_aa::reference::metrics::SKY_DEPTH;
 use deferred_aa::reference::{octahedral, plan, resolve};
@@ -179,9 +180,7 @@ fn row_03_the_sky_needs_one_sample_and_its_edge_more() {
             assert!(output.plan.iter().all(|p| p.0 == 1), "m = {m}, {depth:?}");
 
             // Its edge runs through the windows of column 4. The surface is as far as floats go, or as near.
-            // Their squares must be numbers for a variance.
-            let least = if depth == DepthMeasure::Variance { 1e-18 } else { 2.0 * SKY_DEPTH };
-            for surface in [least, 1e-15, 1e-6, 0.5, 1.0] {
+            for surface in [2.0 * SKY_DEPTH, 1e-25, 1e-15, 1e-6, 0.5, 1.0] {
                 let edge = 4 * m + m / 2;
                 rig.fill(|x, _| if x >= edge { Sample::SKY } else { Sample { depth: surface, ..Default::default() } });
                 let output = rig.run(settings);
@@ -193,6 +192,32 @@ fn row_03_the_sky_needs_one_sample_and_its_edge_more() {
             }
         }
     }
+}
+
+#[test]
+fn row_03_a_sky_of_several_objects_is_one() {
+    let mut rig = Rig::new(4, 16, 8, WHITE);
+    let windowed = Windowed { identity_samples: 16.0, ..Default::default() };
+    let identity = Settings { windowed, ..Default::default() };
+    for technique in Technique::ALL {
+        let settings = Settings { technique, ..identity };
+        let found = [true, false].map(|drawn| {
+            rig.fill(|x, y| Sample { object: if drawn { x + 7 * y } else { 0 }, ..Sample::SKY });
+            let output = rig.run(settings);
+            if technique == Technique::Windowed {
+                rig.assert_twin_agrees(&settings, &output);
+            }
+            (output.statistics.shaded, output.image)
+        });
+        assert_eq!(found[0], found[1], "{technique:?}");
+    }
+    // And another one than an object whose code is 0.
+    rig.fill(|x, _| if x < 30 { Sample { object: 0, ..Default::default() } } else { Sample::SKY });
+    let none = Windowed { depth_scale: 0.0, normal_scale: 0.0, luminance_scale: 0.0, ..windowed };
+    let settings = Settings { windowed: none, ..Default::default() };
+    let output = rig.run(settings);
+    rig.assert_twin_agrees(&settings, &output);
+    assert!(output.plan.iter().enumerate().all(|(i, p)| p.0 == if i % 16 == 7 { 16 } else { 1 }));
 }
 
 // ---- Row 4: normals that cancel ----
@@ -489,6 +514,23 @@ fn row_08_every_bad_sample_is_counted() {
                 .collect();
             let expected = resolve::mean(&samples, Weight::Linear, 1.0);
             assert!((0..4).all(|c| (f64::from(pixel[c]) - expected[c]).abs() < 1e-6), "{pixel:?}, {expected:?}");
+        }
+    }
+}
+
+#[test]
+fn row_08_one_bad_component_is_enough() {
+    for channel in 0..4 {
+        for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+            let hook = format!(
+                "fn shade(s: DaaSample) -> vec4f {{ var c = vec4f(0.5); c[{channel}] = bitcast<f32>(s.user); return c; }}"
+            );
+            let mut rig = Rig::new(1, 4, 1, &hook);
+            rig.fill(|x, _| Sample { user: if x == 1 { bad } else { 0.5 }.to_bits(), ..Default::default() });
+            let output = rig.run(full());
+            assert_eq!(output.statistics.not_finite, 1, "{channel}, {bad}");
+            assert_eq!(output.image[1], [0.0, 0.0, 0.0, 1.0], "{channel}, {bad}");
+            assert!([0, 2, 3].iter().all(|&i| output.image[i] == [0.5; 4]), "{channel}, {bad}");
         }
     }
 }
@@ -1183,11 +1225,52 @@ fn row_25_singular_cameras_are_refused_by_name() {
 }
 
 #[test]
+fn row_25_the_same_projection_in_other_numbers_is_the_same() {
+    let mut rig = Rig::new(2, 8, 8, "fn shade(s: DaaSample) -> vec4f { return vec4f(0.5 + 0.5 * s.view, s.depth); }");
+    rig.fill(|x, _| Sample { depth: 0.3 + 0.01 * x as f32, ..Default::default() });
+    for projection in [directx::orthographic(-1.0, 1.0, -1.0, 1.0, 10.0, 0.1), camera(1.0).clip_from_view] {
+        let images = [1.0, 2.0, 0.25].map(|scale| {
+            rig.camera.clip_from_view = projection * scale;
+            rig.run(full()).image
+        });
+        assert!(images.iter().all(|image| *image == images[0]), "{projection}");
+    }
+}
+
+#[test]
+fn row_25_projections_that_no_sample_survives_are_refused() {
+    use deferred_aa::glam::camera::lh::proj::directx as left;
+    let mut rig = Rig::new(2, 5, 3, SHOW_GEOMETRY);
+    rig.fill(land);
+    let good = rig.camera;
+    let refused = |rig: &mut Rig, clip_from_view| {
+        rig.camera.clip_from_view = clip_from_view;
+        rig.try_record(Settings::default()).map(|_| ())
+    };
+    for clip_from_view in [
+        left::perspective_infinite_reverse(1.0, 2.0, 0.1),
+        good.clip_from_view * -1.0,
+        left::perspective(1.0, 2.0, 0.1, 9.0),
+    ] {
+        assert_eq!(refused(&mut rig, clip_from_view), Err(RecordError::Handedness), "{clip_from_view}");
+    }
+    for (near, aspect) in [(1e30, 1.0), (2e8, 1.0), (1e10, 1e6), (1e3, 1e6)] {
+        let clip_from_view = directx::perspective_infinite_reverse(1.0, aspect, near);
+        let found = refused(&mut rig, clip_from_view);
+        assert!(matches!(found, Err(RecordError::NearPlane(d)) if d > 1e8), "{near}, {aspect}: {found:?}");
+    }
+    // Up to there, every depth has a position.
+    rig.fill(|x, y| Sample { depth: [1.0, 1e-3, 2e-30, 0.0][(x + y) as usize % 4], ..land(x, y) });
+    rig.camera.clip_from_view = directx::perspective_infinite_reverse(1.0, 1.0, 5e7);
+    let output = rig.run(full());
+    assert!(output.image.iter().flatten().all(|c| c.is_finite()) && output.statistics.not_finite == 0);
+}
+
+#[test]
 fn row_25_everything_at_the_near_plane_or_far_away_is_finite() {
     let mut rig = Rig::new(3, 8, 4, SHOW_GEOMETRY);
     // Depth 1 is the near plane itself.
     rig.fill(|x, y| Sample { depth: [1.0, 0.999_999_9, 1e-28, 0.0][(x / 3 + y) as usize % 4], ..land(x, y) });
-    use deferred_aa::glam::camera::rh::proj::directx;
     for near in [1e-6, 0.1, 1e6] {
         for clip_from_view in [
             directx::perspective_infinite_reverse(0.01, 2.0, near),

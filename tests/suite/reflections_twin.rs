@@ -222,12 +222,16 @@ struct Node {
 
 impl Node {
     fn new(tier: RayTier) -> Self {
+        Self::with(tier, HOOKS)
+    }
+
+    fn with(tier: RayTier, hooks: &str) -> Self {
         let adapter = gpu::choose(std::env::var("WGPU_ADAPTER_NAME").ok().as_deref()).expect("tests need an adapter");
         let descriptor = Descriptor {
             textures: TextureTier::Arrays,
             m: M,
             rays: Some(tier),
-            ..Descriptor::new(wgpu::TextureFormat::Rgba16Float, Shading { source: HOOKS, file: "test.wgsl" })
+            ..Descriptor::new(wgpu::TextureFormat::Rgba16Float, Shading { source: hooks, file: "test.wgsl" })
         };
         let gpu = Gpu::new(adapter, &descriptor).expect("a device");
         let mut aa = DeferredAa::new(&gpu.device, &descriptor, None).expect("a node");
@@ -398,6 +402,37 @@ fn what_rays_bring_back_is_the_twins_on_each_tier() {
             }
             assert!(sent >= 3000 && unsure * 100 <= sent, "{name}: {unsure} of {sent} unsure");
             assert_eq!(counted, rays, "{name} {:?}", node.tier);
+        }
+    }
+}
+
+/// Row 8: what rays meet, and what the host says of them, is counted when it is no number, and black.
+#[test]
+fn bad_values_behind_rays_are_counted() {
+    let (_, scene, camera) = views().swap_remove(0);
+    let bad = "bitcast<f32>(0x7fc00000u + (s.pixel.x >> 20u))";
+    let mirror = "b.normal = s.normal; b.ior = 1.5; b.reflection = vec3f(1.0);";
+    let hooks = |shade: &str, reflection: &str| {
+        format!(
+            "fn shade(s: DaaSample) -> vec4f {{ var c = vec3f(0.5); if s.traced == 0u {{ {shade} }} return vec4f(c, 1.0); }}
+            fn reflection(s: DaaSample) -> DaaReflection {{ var b: DaaReflection; {mirror} {reflection} return b; }}"
+        )
+    };
+    for (name, shade, reflection) in [
+        ("a hit", format!("c.g = {bad};"), String::new()),
+        ("a weight", String::new(), format!("b.reflection.b = {bad};")),
+        ("a normal", String::new(), format!("b.normal.x = {bad};")),
+    ] {
+        for tier in tiers() {
+            let mut node = Node::with(tier, &hooks("", ""));
+            let (_, sound, rays) = node.render(&scene, &camera);
+            assert_eq!(node.aa.statistics().unwrap().not_finite, 0);
+            let mut node = Node::with(tier, &hooks(&shade, &reflection));
+            let (_, codes, _) = node.render(&scene, &camera);
+            let counted = node.aa.statistics().unwrap().not_finite;
+            assert!(counted > 1000 && counted <= 2 * rays[0], "{name}, {tier:?}: {counted} of {rays:?}");
+            let other = codes.iter().zip(&sound).filter(|(code, sound)| **code != **sound);
+            assert!(other.map(|(code, _)| shared_exponent::decode(*code)).all(|c| c.min_element() == 0.0), "{name}");
         }
     }
 }

@@ -192,7 +192,7 @@ impl Input<'_> {
     }
 
     fn orthographic(&self) -> bool {
-        self.trace.camera.clip_from_view.row(3) == glam::Vec4::W
+        self.trace.camera.is_orthographic()
     }
 
     fn cone(&self, x: u32, y: u32, s: &Sample) -> Cone {
