@@ -1,7 +1,7 @@
 // The shared parts of `trace` and `reflect`: the samples from which they cast rays, and shadow rays. Each pass defines
 // its own `daa_wants` and `daa_begin`.
 
-@group(3) @binding(1) var<storage, read> daa_ray_geometry: array<vec4u>;
+@group(3) @binding(1) var<storage, read> daa_ray_meshes: array<vec4u>;
 @group(3) @binding(2) var<storage, read> daa_ray_top: array<vec4u>;
 @group(3) @binding(3) var<uniform> daa_casting: DaaCasting;
 @group(3) @binding(4) var<storage, read> daa_plan: array<u32>;

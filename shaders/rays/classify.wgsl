@@ -3,7 +3,7 @@
 
 @group(3) @binding(0) var<storage, read_write> daa_tile_lists: DaaTileLists;
 /// A bit for each material: whether it sends rays.
-@group(3) @binding(1) var<storage, read> daa_reflective: array<u32>;
+@group(3) @binding(1) var<uniform> daa_reflective: array<vec4u, 512>;
 @group(3) @binding(2) var<storage, read_write> daa_statistics: DaaStatistics;
 
 /// A class of tiles: their number, and the workgroups of an indirect dispatch over them.
@@ -33,7 +33,7 @@ fn daa_tile_sample(tile: vec2u, i: u32) -> vec2u {
 /// 1 if the material of a sample sends rays.
 fn daa_sends(at: vec2u) -> u32 {
     let material = daa_identity_at(at) & 0xffffu;
-    return (daa_reflective[material >> 5u] >> (material & 31u)) & 1u;
+    return (daa_reflective[material >> 7u][(material >> 5u) & 3u] >> (material & 31u)) & 1u;
 }
 
 @compute @workgroup_size(64)

@@ -23,7 +23,7 @@ struct DaaHit {
     barycentrics: vec2f,
     /// Index of the instance's record in daa_ray_top.
     record: u32,
-    /// Index of the triangle in daa_ray_geometry.
+    /// Index of the triangle in daa_ray_meshes.
     corners: u32,
 }
 
@@ -45,15 +45,15 @@ const DAA_INSTANCE_CLEAR: u32 = 4u;
 
 /// The interpolated uv of a hit. `attributes` are the indices of its vertices' attributes.
 fn daa_ray_uv(attributes: vec3u, barycentrics: vec2f) -> vec2f {
-    let a = bitcast<vec2f>(daa_ray_geometry[attributes.x].zw);
-    let b = bitcast<vec2f>(daa_ray_geometry[attributes.y].zw);
-    let c = bitcast<vec2f>(daa_ray_geometry[attributes.z].zw);
+    let a = bitcast<vec2f>(daa_ray_meshes[attributes.x].zw);
+    let b = bitcast<vec2f>(daa_ray_meshes[attributes.y].zw);
+    let c = bitcast<vec2f>(daa_ray_meshes[attributes.z].zw);
     return a + (b - a) * barycentrics.x + (c - a) * barycentrics.y;
 }
 
 /// The host's 32 bits at a hit.
 fn daa_ray_user(corners: vec3u, barycentrics: vec2f) -> u32 {
-    let user = vec3u(daa_ray_geometry[corners.x].w, daa_ray_geometry[corners.y].w, daa_ray_geometry[corners.z].w);
+    let user = vec3u(daa_ray_meshes[corners.x].w, daa_ray_meshes[corners.y].w, daa_ray_meshes[corners.z].w);
     return daa_user_between(user, vec3f(1.0 - barycentrics.x - barycentrics.y, barycentrics));
 }
 

@@ -6,8 +6,8 @@
 /// of first samples follow for `Selective`. If the rays of each sample are recorded, their counts follow the room for
 /// hits: mirrored rays + refracted rays · 2¹⁶.
 @group(3) @binding(5) var<storage, read_write> daa_reflections: array<u32>;
-/// A bit for each material: whether it sends rays.
-@group(3) @binding(9) var<storage, read> daa_reflective: array<u32>;
+/// A bit for each material: whether it sends rays; 128 to a vector.
+@group(3) @binding(9) var<uniform> daa_reflective: array<vec4u, 512>;
 
 /// The most surfaces of its own object that a refracted ray passes.
 const DAA_MAX_PASSAGES: u32 = 4u;
@@ -45,16 +45,16 @@ fn daa_met(pixel: vec2u, rank: u32, ray: DaaRay, hit: DaaHit, cone: DaaCone) -> 
     let z = bitcast<vec4f>(daa_ray_top[hit.record + 2u]).xyz;
     let names = daa_ray_top[hit.record + 3u];
     let more = daa_ray_top[hit.record + 4u];
-    let corners = daa_ray_geometry[hit.corners].xyz;
-    let v0 = daa_ray_geometry[corners.x];
+    let corners = daa_ray_meshes[hit.corners].xyz;
+    let v0 = daa_ray_meshes[corners.x];
     let a = bitcast<vec3f>(v0.xyz);
-    let e1 = bitcast<vec3f>(daa_ray_geometry[corners.y].xyz) - a;
-    let e2 = bitcast<vec3f>(daa_ray_geometry[corners.z].xyz) - a;
-    let users = vec3u(v0.w, daa_ray_geometry[corners.y].w, daa_ray_geometry[corners.z].w);
+    let e1 = bitcast<vec3f>(daa_ray_meshes[corners.y].xyz) - a;
+    let e2 = bitcast<vec3f>(daa_ray_meshes[corners.z].xyz) - a;
+    let users = vec3u(v0.w, daa_ray_meshes[corners.y].w, daa_ray_meshes[corners.z].w);
     let t = daa_triangle_attributes(
-        daa_ray_geometry[corners.x + names.w],
-        daa_ray_geometry[corners.y + names.w],
-        daa_ray_geometry[corners.z + names.w],
+        daa_ray_meshes[corners.x + names.w],
+        daa_ray_meshes[corners.y + names.w],
+        daa_ray_meshes[corners.z + names.w],
         users,
     );
     let w = vec3f(1.0 - hit.barycentrics.x - hit.barycentrics.y, hit.barycentrics);
@@ -166,7 +166,7 @@ var<workgroup> daa_group_rays: array<vec2u, 64>;
 /// Whether the material of a sample sends rays.
 fn daa_sends_rays(pixel: vec2u, rank: u32) -> bool {
     let material = daa_identity_at(pixel * DAA_M + daa_order(rank)) & 0xffffu;
-    return (daa_reflective[material >> 5u] & (1u << (material & 31u))) != 0u;
+    return (daa_reflective[material >> 7u][(material >> 5u) & 3u] & (1u << (material & 31u))) != 0u;
 }
 
 /// A point that sends no rays has no radiance.

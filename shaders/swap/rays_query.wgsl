@@ -1,5 +1,5 @@
 // rays_query: traversal by the adapter's ray query, with the functions of rays_software.wgsl. The module must declare
-// daa_ray_tlas, daa_ray_geometry, daa_ray_top and daa_ray_solid.
+// daa_ray_tlas, daa_ray_meshes, daa_ray_top and daa_ray_solid.
 
 /// The number of vec4s of an instance.
 const DAA_RAY_RECORD: u32 = 5u;
@@ -32,7 +32,7 @@ fn daa_trace(ray: DaaRay, flags: u32, through: u32) -> DaaHit {
         }
         let at = instances + found.instance_custom_data * DAA_RAY_RECORD;
         let names = daa_ray_top[at + 3u];
-        let corners = daa_ray_geometry[names.z + found.primitive_index];
+        let corners = daa_ray_meshes[names.z + found.primitive_index];
         if daa_ray_stops(names, daa_ray_top[at + 4u], corners.xyz, found.barycentrics, found.front_face, DaaPassing(flags, through)) {
             rayQueryConfirmIntersection(&query);
         }
@@ -42,7 +42,7 @@ fn daa_trace(ray: DaaRay, flags: u32, through: u32) -> DaaHit {
         let record = instances + found.instance_custom_data * DAA_RAY_RECORD;
         let names = daa_ray_top[record + 3u];
         let corners = names.z + found.primitive_index;
-        let triangle = daa_ray_geometry[corners].w;
+        let triangle = daa_ray_meshes[corners].w;
         hit = DaaHit(found.t, names.y, triangle, u32(found.front_face), found.barycentrics, record, corners);
     }
     return hit;

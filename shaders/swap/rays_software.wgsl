@@ -1,6 +1,6 @@
 // rays_software: traversal in WGSL, without ray tracing hardware. It uses two levels of eight-way compressed nodes
 // (Ylitie, Karras, Laine 2017, in the layout of obvhs), box tests with a margin for rounding (Ize 2013), and a
-// watertight triangle test (Woop, Benthin, Wald 2013). The module must declare daa_ray_nodes, daa_ray_geometry,
+// watertight triangle test (Woop, Benthin, Wald 2013). The module must declare daa_ray_meshes,
 // daa_ray_top and daa_ray_solid. CPU twin: src/reference/rays.rs, by brute force.
 
 /// The size of the traversal stack. At most one group waits for each level, and two more for an entered instance: see
@@ -198,10 +198,10 @@ fn daa_trace(ray: DaaRay, flags: u32, through: u32) -> DaaHit {
                 nodes = vec2u(names.x, DAA_RAY_ROOT);
                 leaves = vec2u(0u);
             } else {
-                let corners = daa_ray_geometry[index];
-                let a = bitcast<vec3f>(daa_ray_geometry[corners.x].xyz) - space.origin;
-                let b = bitcast<vec3f>(daa_ray_geometry[corners.y].xyz) - space.origin;
-                let c = bitcast<vec3f>(daa_ray_geometry[corners.z].xyz) - space.origin;
+                let corners = daa_ray_meshes[index];
+                let a = bitcast<vec3f>(daa_ray_meshes[corners.x].xyz) - space.origin;
+                let b = bitcast<vec3f>(daa_ray_meshes[corners.y].xyz) - space.origin;
+                let c = bitcast<vec3f>(daa_ray_meshes[corners.z].xyz) - space.origin;
                 let found = daa_triangle(shear, ray.t_min, hit.t, a, b, c);
                 if found.t < hit.t && daa_ray_stops(names, more, corners.xyz, found.barycentrics, found.front, DaaPassing(flags, through)) {
                     hit = DaaHit(found.t, names.y, corners.w, u32(found.front), found.barycentrics, record, index);
@@ -225,7 +225,7 @@ fn daa_trace(ray: DaaRay, flags: u32, through: u32) -> DaaHit {
             if entry == DAA_MISS {
                 n = array(daa_ray_top[at + 1u], daa_ray_top[at + 2u], daa_ray_top[at + 3u], daa_ray_top[at + 4u], daa_ray_top[at + 5u]);
             } else {
-                n = array(daa_ray_nodes[at], daa_ray_nodes[at + 1u], daa_ray_nodes[at + 2u], daa_ray_nodes[at + 3u], daa_ray_nodes[at + 4u]);
+                n = array(daa_ray_meshes[at], daa_ray_meshes[at + 1u], daa_ray_meshes[at + 2u], daa_ray_meshes[at + 3u], daa_ray_meshes[at + 4u]);
             }
             let hits = daa_ray_children(space, ray.t_min, hit.t, n[0], n[1], n[2], n[3], n[4]);
             nodes = vec2u(n[1].x, (hits & 0xff000000u) | (n[0].w >> 24u));

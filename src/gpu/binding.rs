@@ -1,6 +1,7 @@
 //! A pass as data: its module, its bindings and its stages. Layouts, bind groups, reads and writes all come from the
 //! one list of bindings.
 
+use crate::gpu::buffers::REFLECTIVE_BYTES;
 use crate::gpu::modules::{Base, Module};
 use crate::gpu::sizes::{IMAGE_FORMAT, WORK_BYTES};
 use crate::gpu::uniforms::casting::CastingUniform;
@@ -32,9 +33,11 @@ pub(crate) enum Slot {
     AuditedCounters,
     /// The counts of the check of a host's input.
     InputCounts,
-    /// The nodes of the ray scene, or its top level on [`RayTier::Query`].
-    RayNodes,
-    RayGeometry,
+    /// The adapter's structure over the instances, on [`RayTier::Query`] alone.
+    RayTree,
+    /// The nodes, triangles and vertices of the ray scene.
+    RayMeshes,
+    /// The instances, and in software the nodes over them.
     RayTop,
 }
 
@@ -44,7 +47,7 @@ impl Slot {
         match self {
             Self::Part(part) => Some(part.resource()),
             Self::Audits => Some(Resource::Statistics),
-            Self::RayNodes | Self::RayGeometry | Self::RayTop => Some(Resource::Rays),
+            Self::RayTree | Self::RayMeshes | Self::RayTop => Some(Resource::Rays),
             Self::Step | Self::Casting | Self::Marks | Self::Reflective | Self::AuditedCounters | Self::InputCounts => {
                 None
             }
@@ -103,8 +106,13 @@ impl Binding {
         Self { used: Some(Access::Read), ..self }
     }
 
-    /// The type that WGSL declares, on a tier of rays.
-    pub fn ty(&self, tier: RayTier) -> wgpu::BindingType {
+    /// Whether shaders have it on a tier of rays.
+    pub fn is_on(&self, tier: RayTier) -> bool {
+        self.slot != Slot::RayTree || tier == RayTier::Query
+    }
+
+    /// The type that WGSL declares.
+    pub fn ty(&self) -> wgpu::BindingType {
         let read_only = self.access == Access::Read;
         let buffer = |ty, has_dynamic_offset, bytes| wgpu::BindingType::Buffer {
             ty,
@@ -127,16 +135,15 @@ impl Binding {
             Slot::Part(Part::PixelListWork | Part::SampleListWork) if read_only => buffer(storage, true, WORK_BYTES),
             Slot::Step => buffer(wgpu::BufferBindingType::Uniform, true, size_of::<StepUniform>() as u64),
             Slot::Casting => buffer(wgpu::BufferBindingType::Uniform, true, size_of::<CastingUniform>() as u64),
-            Slot::RayNodes if tier == RayTier::Query => {
-                wgpu::BindingType::AccelerationStructure { vertex_return: false }
-            }
+            Slot::Reflective => buffer(wgpu::BufferBindingType::Uniform, false, REFLECTIVE_BYTES),
+            Slot::RayTree => wgpu::BindingType::AccelerationStructure { vertex_return: false },
             _ => buffer(storage, false, 0),
         }
     }
 
     /// The size of the binding if it has a dynamic offset.
     pub fn dynamic(&self) -> Option<wgpu::BufferSize> {
-        match self.ty(RayTier::Software) {
+        match self.ty() {
             wgpu::BindingType::Buffer { has_dynamic_offset: true, min_binding_size, .. } => min_binding_size,
             _ => None,
         }
@@ -218,10 +225,10 @@ pub(crate) fn layout(device: &wgpu::Device, pass: &PassData, stage: &Stage, tier
     let entry = |binding: &Binding| wgpu::BindGroupLayoutEntry {
         binding: binding.index,
         visibility,
-        ty: binding.ty(tier),
+        ty: binding.ty(),
         count: None,
     };
-    let entries: Vec<_> = pass.bound(stage).map(entry).collect();
+    let entries: Vec<_> = pass.bound(stage).filter(|binding| binding.is_on(tier)).map(entry).collect();
     device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(stage.entry), entries: &entries })
 }
 

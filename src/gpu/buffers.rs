@@ -17,7 +17,7 @@ const NAMES: usize = 1 << 16;
 /// The bytes of `daa_marks` of select.wgsl: a bit for each material and a byte for each object.
 pub(crate) const MARKS_BYTES: u64 = NAMES as u64 / 8 + NAMES as u64;
 /// The bytes of `daa_reflective` of reflect.wgsl: a bit for each material.
-const REFLECTIVE_BYTES: u64 = NAMES as u64 / 8;
+pub(crate) const REFLECTIVE_BYTES: u64 = NAMES as u64 / 8;
 
 /// The bytes of a placeholder.
 const NOTHING_BYTES: u64 = 256;
@@ -101,16 +101,17 @@ impl NodeBuffers {
     }
 
     fn reflective(&self) -> &wgpu::Buffer {
-        self.reflective.get_or_init(|| self.storage("daa reflective", REFLECTIVE_BYTES, wgpu::BufferUsages::COPY_DST))
+        let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
+        self.reflective.get_or_init(|| self.buffer("daa reflective", REFLECTIVE_BYTES, usage))
     }
 
     fn storage(&self, label: &str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
-        self.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some(label),
-            size,
-            usage: wgpu::BufferUsages::STORAGE | usage,
-            mapped_at_creation: false,
-        })
+        self.buffer(label, size, wgpu::BufferUsages::STORAGE | usage)
+    }
+
+    fn buffer(&self, label: &str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
+        let label = Some(label);
+        self.device.create_buffer(&wgpu::BufferDescriptor { label, size, usage, mapped_at_creation: false })
     }
 
     /// A placeholder for a binding that a pass does not use.
@@ -133,7 +134,7 @@ impl NodeBuffers {
             Slot::AuditedCounters => self
                 .audited_counters
                 .get_or_init(|| self.storage("daa audited statistics", COUNTER_BYTES, wgpu::BufferUsages::empty())),
-            Slot::Part(_) | Slot::InputCounts | Slot::RayNodes | Slot::RayGeometry | Slot::RayTop => return None,
+            Slot::Part(_) | Slot::InputCounts | Slot::RayTree | Slot::RayMeshes | Slot::RayTop => return None,
         })
     }
 

@@ -98,11 +98,6 @@ fn used(module: &naga::Module, entry: &str, group: u32) -> BTreeMap<u32, GlobalU
     bound.filter(|(at, use_)| at.group == group && !use_.is_empty()).map(|(at, use_)| (at.binding, use_)).collect()
 }
 
-/// The name of a binding, which differs on a tier of rays for one.
-fn name(binding: &Binding, tier: RayTier) -> &'static str {
-    if binding.slot == Slot::RayNodes && tier == RayTier::Query { "daa_ray_tlas" } else { binding.name }
-}
-
 /// Whether WGSL declares what a layout says.
 fn is_of_type(module: &naga::Module, variable: &naga::GlobalVariable, ty: wgpu::BindingType) -> bool {
     let inner = &module.types[variable.ty].inner;
@@ -142,12 +137,13 @@ fn faults(pass: &PassData, module: &naga::Module, tier: RayTier) -> Vec<String> 
     for pair in pass.bindings.windows(2).filter(|pair| pair[0].index >= pair[1].index) {
         faults.push(format!("{} is not in order", pair[1].name));
     }
-    for binding in pass.bindings {
-        let what = name(binding, tier);
+    let bindings = || pass.bindings.iter().filter(|binding| binding.is_on(tier));
+    for binding in bindings() {
+        let what = binding.name;
         match variable(binding.index) {
             None => faults.push(format!("{what} is not in WGSL")),
             Some(v) if v.name.as_deref() != Some(what) => faults.push(format!("{what} is {:?} in WGSL", v.name)),
-            Some(v) if !is_of_type(module, v, binding.ty(tier)) => faults.push(format!("{what} is of another type")),
+            Some(v) if !is_of_type(module, v, binding.ty()) => faults.push(format!("{what} is of another type")),
             Some(_) => {}
         }
     }
@@ -164,7 +160,7 @@ fn faults(pass: &PassData, module: &naga::Module, tier: RayTier) -> Vec<String> 
         }
         used_by_any.extend(uses.into_keys());
     }
-    for binding in pass.bindings {
+    for binding in bindings() {
         if !used_by_any.contains(&binding.index) {
             faults.push(format!("{} is not used", binding.name));
         }
@@ -236,7 +232,7 @@ fn shared_pipelines_have_one_layout() {
     let mut layouts: BTreeMap<(&str, &str), Vec<(u32, wgpu::BindingType)>> = BTreeMap::new();
     for pass in passes::ALL {
         for stage in pass.stages {
-            let layout: Vec<_> = pass.bound(stage).map(|b| (b.index, b.ty(RayTier::Software))).collect();
+            let layout: Vec<_> = pass.bound(stage).map(|b| (b.index, b.ty())).collect();
             let first = layouts.entry((pass.module.name, stage.entry)).or_insert_with(|| layout.clone());
             assert_eq!(*first, layout, "{:?} {}", pass.names, stage.entry);
         }

@@ -114,10 +114,8 @@ fn shading(host: &HostSource, gbuffer: GBufferTier, inputs: RayInputs) -> Vec<&s
 }
 
 fn casting(host: &HostSource, tiers: Tiers, shades: bool) -> Vec<&str> {
-    let (directive, nodes, traversal) = match tiers.rays {
-        RayTier::Software => {
-            ("", "@group(3) @binding(0) var<storage, read> daa_ray_nodes: array<vec4u>;", chunk::RAYS_SOFTWARE)
-        }
+    let (directive, structure, traversal) = match tiers.rays {
+        RayTier::Software => ("", "", chunk::RAYS_SOFTWARE),
         RayTier::Query => (
             "enable wgpu_ray_query;",
             "@group(3) @binding(0) var daa_ray_tlas: acceleration_structure;",
@@ -136,6 +134,14 @@ fn casting(host: &HostSource, tiers: Tiers, shades: bool) -> Vec<&str> {
         chunks.extend(host.calls());
         chunks.push("fn daa_call_reflection(s: DaaSample) -> DaaReflection { return reflection(s); }");
     }
-    chunks.extend([nodes, host.solid_call(), chunk::RAYS, traversal, chunk::LATTICE, chunk::LISTING, chunk::CASTING]);
+    chunks.extend([
+        structure,
+        host.solid_call(),
+        chunk::RAYS,
+        traversal,
+        chunk::LATTICE,
+        chunk::LISTING,
+        chunk::CASTING,
+    ]);
     chunks
 }

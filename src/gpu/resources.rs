@@ -292,7 +292,8 @@ impl SizedResources {
             binding: binding.index,
             resource: self.resource(binding, buffers, scene),
         };
-        let entries: Vec<_> = pass.bound(stage).map(entry).collect();
+        let tier = build.rays.unwrap_or_default();
+        let entries: Vec<_> = pass.bound(stage).filter(|binding| binding.is_on(tier)).map(entry).collect();
         let group = build.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some(stage.entry),
             layout: &pipeline.layout,
@@ -315,12 +316,12 @@ impl SizedResources {
                 Some(Memory::Buffer(buffer)) => Some(buffer),
                 None => None,
             },
-            Slot::RayNodes => match scene.and_then(RayScene::top_level) {
-                Some(top) => return top.as_binding(),
-                None => of_scene(0),
+            Slot::RayTree => match scene.and_then(RayScene::top_level) {
+                Some(tree) => return tree.as_binding(),
+                None => None,
             },
-            Slot::RayGeometry => of_scene(1),
-            Slot::RayTop => of_scene(2),
+            Slot::RayMeshes => of_scene(0),
+            Slot::RayTop => of_scene(1),
             slot => buffers.of(slot),
         };
         let buffer = buffer.unwrap_or_else(|| buffers.nothing(binding.access));

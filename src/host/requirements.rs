@@ -160,9 +160,9 @@ fn limits(descriptor: &Descriptor<'_>) -> wgpu::Limits {
     // `reflect` binds this many: its own, the table's and two of the host's. A visibility buffer has the meshes and the
     // instances besides, with which the passes without rays exceed the default of 8, too.
     limits.max_storage_buffers_per_shader_stage = match (descriptor.rays, descriptor.gbuffer) {
-        (Some(_), GBufferTier::Visibility(_)) => 14,
+        (Some(_), GBufferTier::Visibility(_)) => 12,
         (None, GBufferTier::Visibility(_)) => 10,
-        (Some(_), GBufferTier::Stored(_)) => 12,
+        (Some(_), GBufferTier::Stored(_)) => 10,
         (None, GBufferTier::Stored(_)) => limits.max_storage_buffers_per_shader_stage,
     };
     if descriptor.rays == Some(RayTier::Query) {

@@ -38,7 +38,7 @@ pub struct BottomLevel {
     /// The triangles in the order of the leaves: three vertices, and the index of the triangle in the mesh.
     pub(super) triangles: Vec<[u32; 4]>,
     pub(super) positions: Vec<[f32; 3]>,
-    /// The attributes as `daa_ray_geometry` stores them, and the host's 32 bits.
+    /// The attributes as `daa_ray_meshes` stores them, and the host's 32 bits.
     pub(super) attributes: Vec<([u32; 4], u32)>,
     pub(super) masked: bool,
     pub(super) bounds: Option<[Vec3; 2]>,

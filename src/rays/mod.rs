@@ -17,9 +17,8 @@ pub use scene::{Instance, MAX_INSTANCES, MeshId, RayScene};
 /// declare what it reads:
 ///
 /// ```wgsl
-/// @group(0) @binding(0) var<storage, read> daa_ray_nodes: array<vec4u>;
-/// @group(0) @binding(1) var<storage, read> daa_ray_geometry: array<vec4u>;
-/// @group(0) @binding(2) var<storage, read> daa_ray_top: array<vec4u>;
+/// @group(0) @binding(0) var<storage, read> daa_ray_meshes: array<vec4u>;
+/// @group(0) @binding(1) var<storage, read> daa_ray_top: array<vec4u>;
 /// // false in the holes of a masked mesh
 /// fn daa_ray_solid(material: u32, uv: vec2f, user: u32) -> bool { return true; }
 /// ```
@@ -31,8 +30,8 @@ pub const SOFTWARE_WGSL: &str = concat!(
     include_str!("../../shaders/swap/rays_software.wgsl")
 );
 
-/// The same functions, traced by the adapter's ray query. The module begins with `enable wgpu_ray_query;`, and declares
-/// in place of the nodes
+/// The same functions, traced by the adapter's ray query. The module begins with `enable wgpu_ray_query;`, and also
+/// declares
 ///
 /// ```wgsl
 /// @group(0) @binding(0) var daa_ray_tlas: acceleration_structure;

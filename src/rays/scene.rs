@@ -92,8 +92,8 @@ pub(crate) struct DrawnRecord {
 /// must and are kept, so that a steady frame allocates no GPU memory.
 #[derive(Debug)]
 pub struct RayScene {
-    nodes: Growing,
-    geometry: Growing,
+    /// Mesh by mesh: nodes, triangles, vertices and attributes.
+    data: Growing,
     top: Growing,
     /// The instances as a visibility buffer reads them, if the scene is for one.
     drawn: Option<Growing>,
@@ -102,8 +102,8 @@ pub struct RayScene {
     /// The host's own top level, if it is in use.
     hosts: Option<wgpu::Tlas>,
     meshes: Vec<Placed>,
-    /// The number of vec4s in use of `nodes` and `geometry`.
-    used: [u64; 2],
+    /// The number of vec4s in use of `data`.
+    used: u64,
     instances: u32,
     tier: Option<RayTier>,
     camera: Vec3,
@@ -203,14 +203,13 @@ impl RayScene {
 
     fn empty(device: &wgpu::Device, tier: Option<RayTier>, drawn: Option<Growing>) -> Self {
         Self {
-            nodes: Growing::new(device, "nodes"),
-            geometry: Growing::new(device, "triangles and vertices"),
+            data: Growing::new(device, "meshes"),
             top: Growing::new(device, "instances"),
             drawn,
             structures: (tier == Some(RayTier::Query)).then(|| Structures::new(device)),
             hosts: None,
             meshes: Vec::new(),
-            used: [0, 0],
+            used: 0,
             instances: 0,
             tier,
             camera: Vec3::ZERO,
@@ -237,17 +236,18 @@ impl RayScene {
         if self.drawn.is_some() && mesh.attributes.is_empty() && !mesh.positions.is_empty() {
             return Err(RayError::NoAttributes { mesh: mesh.name.clone() });
         }
-        let [nodes, geometry] = self.used;
-        let (root, first_triangle) = (nodes / RECORD as u64, geometry);
+        // Nodes are found by their number, so they lie at multiples of their size.
+        let first_node = self.used.next_multiple_of(RECORD as u64);
+        let root = first_node / RECORD as u64;
+        // The adapter's structures replace the nodes.
+        let own_nodes = if self.structures.is_some() { &[][..] } else { &mesh.nodes };
+        let first_triangle = first_node + (own_nodes.len() * RECORD) as u64;
         let order = self.order(mesh);
-        let first_vertex = geometry + order.len() as u64;
+        let first_vertex = first_triangle + order.len() as u64;
         let vertices = mesh.positions.len();
         let places = self.places(&order);
         let first_place = first_vertex + (vertices + mesh.attributes.len()) as u64;
         let end = first_place + places.len() as u64;
-        // The adapter's structures replace the nodes.
-        let own_nodes = if self.structures.is_some() { &[][..] } else { &mesh.nodes };
-        let nodes_end = nodes + (own_nodes.len() * RECORD) as u64;
 
         let mut relocated = own_nodes.to_vec();
         for node in &mut relocated {
@@ -267,17 +267,14 @@ impl RayScene {
         let first_place = if places.is_empty() { 0 } else { first_place as u32 };
         let records: Vec<[u32; 4]> = triangles.chain(positions).chain(attributes).chain(places).collect();
 
-        // The generation is updated after each, since the first may be replaced even if the second fails.
-        let grown = self.nodes.reserve(device, Some(&mut *encoder), nodes_end * VEC4, nodes * VEC4)?;
-        self.changed(grown);
-        let grown = self.geometry.reserve(device, Some(&mut *encoder), end * VEC4, geometry * VEC4)?;
+        let grown = self.data.reserve(device, Some(&mut *encoder), end * VEC4, self.used * VEC4)?;
         self.changed(grown);
         if let Some(structures) = &mut self.structures {
             structures.add(device, queue, encoder, mesh)?;
         }
-        queue.write_buffer(&self.nodes.buffer, nodes * VEC4, bytemuck::cast_slice(&relocated));
-        queue.write_buffer(&self.geometry.buffer, geometry * VEC4, bytemuck::cast_slice(&records));
-        self.used = [nodes_end, end];
+        queue.write_buffer(&self.data.buffer, first_node * VEC4, bytemuck::cast_slice(&relocated));
+        queue.write_buffer(&self.data.buffer, first_triangle * VEC4, bytemuck::cast_slice(&records));
+        self.used = end;
         self.most_triangles = self.most_triangles.max(order.len() as u32);
         self.meshes.push(Placed {
             name: mesh.name.clone(),
@@ -325,7 +322,7 @@ impl RayScene {
             positions.iter().zip(attributes).map(|([x, y, z], a)| [x.to_bits(), y.to_bits(), z.to_bits(), a.user]);
         let records: Vec<[u32; 4]> = moved.chain(attributes.iter().map(attributes::packed)).collect();
         let at = u64::from(placed.first_vertex) * VEC4;
-        queue.write_buffer(&self.geometry.buffer, at, bytemuck::cast_slice(&records));
+        queue.write_buffer(&self.data.buffer, at, bytemuck::cast_slice(&records));
         Ok(())
     }
 
@@ -495,7 +492,7 @@ impl RayScene {
 
     /// The GPU memory of its buffers in bytes.
     pub fn bytes(&self) -> u64 {
-        let all = [Some(&self.nodes), Some(&self.geometry), Some(&self.top), self.drawn.as_ref()];
+        let all = [Some(&self.data), Some(&self.top), self.drawn.as_ref()];
         all.into_iter().flatten().map(|b| b.buffer.size()).sum()
     }
 
@@ -529,10 +526,10 @@ impl RayScene {
         [self.most_triangles, self.records.len() as u32]
     }
 
-    /// The buffers that a visibility buffer is read with: the geometry, and the instances of the frame. `None` if the
+    /// The buffers that a visibility buffer is read with: the meshes, and the instances of the frame. `None` if the
     /// scene is for rays alone.
     pub fn visibility_buffers(&self) -> Option<[&wgpu::Buffer; 2]> {
-        Some([&self.geometry.buffer, &self.drawn.as_ref()?.buffer])
+        Some([&self.data.buffer, &self.drawn.as_ref()?.buffer])
     }
 
     /// The top level of [`RayTier::Query`]: the adapter's, or the host's own.
@@ -540,10 +537,10 @@ impl RayScene {
         self.hosts.as_ref().or(self.structures.as_ref().map(|s| &s.top))
     }
 
-    /// The buffers of nodes, of triangles with vertices, and of the top level, for bindings 0 to 2 of
-    /// `rays_software.wgsl`.
-    pub fn buffers(&self) -> [&wgpu::Buffer; 3] {
-        [&self.nodes.buffer, &self.geometry.buffer, &self.top.buffer]
+    /// The buffers of the meshes and of the top level: `daa_ray_meshes` and `daa_ray_top` of
+    /// [`SOFTWARE_WGSL`](super::SOFTWARE_WGSL).
+    pub fn buffers(&self) -> [&wgpu::Buffer; 2] {
+        [&self.data.buffer, &self.top.buffer]
     }
 
     /// A number that changes when a buffer is replaced, so that bind groups must be recreated. No two scenes have the

@@ -8,10 +8,9 @@ use deferred_aa::{TextureTier, wgpu};
 use deferred_aa_demo::gpu::{self, Gpu};
 use insta::assert_snapshot;
 
-const NODES: &str = "@group(0) @binding(0) var<storage, read> daa_ray_nodes: array<vec4u>;";
 const TLAS: &str = "@group(0) @binding(0) var daa_ray_tlas: acceleration_structure;";
 const KERNEL: &str = "
-@group(0) @binding(1) var<storage, read> daa_ray_geometry: array<vec4u>;
+@group(0) @binding(1) var<storage, read> daa_ray_meshes: array<vec4u>;
 @group(0) @binding(2) var<storage, read> daa_ray_top: array<vec4u>;
 @group(0) @binding(3) var<storage, read> rays: array<DaaRay>;
 @group(0) @binding(4) var<storage, read_write> hits: array<DaaHit>;
@@ -85,7 +84,7 @@ fn on_each_tier(test: impl Fn(Tracer)) {
 impl Tracer {
     fn new(tier: RayTier) -> Self {
         let (gpu, source) = match tier {
-            RayTier::Software => (device(TextureTier::None), format!("{}\n{NODES}{KERNEL}", rays::SOFTWARE_WGSL)),
+            RayTier::Software => (device(TextureTier::None), format!("{}\n{KERNEL}", rays::SOFTWARE_WGSL)),
             RayTier::Query => {
                 let adapter = gpu::choose(std::env::var("WGPU_ADAPTER_NAME").ok().as_deref()).expect("an adapter");
                 let limits = rays::query_limits(wgpu::Limits::default(), &adapter.limits());
@@ -156,11 +155,10 @@ impl Tracer {
             usage,
             mapped_at_creation: false,
         });
-        let [nodes, geometry, top] = self.scene.buffers();
-        let first = self.scene.top_level().map_or(nodes.as_entire_binding(), wgpu::Tlas::as_binding);
-        let others = [geometry, top, &input, &output].map(wgpu::Buffer::as_entire_binding);
-        let entries: Vec<_> = (0..)
-            .zip([first].into_iter().chain(others))
+        let [meshes, top] = self.scene.buffers();
+        let buffers = [meshes, top, &input, &output].map(wgpu::Buffer::as_entire_binding);
+        let tree = self.scene.top_level().map(|tree| (0, tree.as_binding()));
+        let entries: Vec<_> = (tree.into_iter().chain((1..).zip(buffers)))
             .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource })
             .collect();
         let group = device.create_bind_group(&wgpu::BindGroupDescriptor {

@@ -36,8 +36,8 @@ impl Cast {
     pub const fn bindings(self, found: (&'static str, Part)) -> [Binding; 9] {
         let (name, found) = (found.0, Slot::Part(found.1));
         [
-            Binding::read(0, "daa_ray_nodes", Slot::RayNodes),
-            Binding::read(1, "daa_ray_geometry", Slot::RayGeometry),
+            Binding::read(0, "daa_ray_tlas", Slot::RayTree),
+            Binding::read(1, "daa_ray_meshes", Slot::RayMeshes),
             Binding::read(2, "daa_ray_top", Slot::RayTop),
             Binding::read(3, "daa_casting", Slot::Casting),
             Binding::read(4, "daa_plan", Slot::Part(Part::Plan)).if_used(self.plan),
