@@ -2,27 +2,26 @@
 // src/reference/check.rs.
 
 /// The counts, in the order of `InputCounts` of src/host/check.rs.
-@group(3) @binding(0) var<storage, read_write> daa_input: array<atomic<u32>, 20>;
+@group(3) @binding(0) var<storage, read_write> daa_input: array<atomic<u32>, 18>;
 
-const DAA_INPUT_COUNTS: u32 = 20u;
+const DAA_INPUT_COUNTS: u32 = 18u;
 const DAA_COVERED: u32 = 0u;
 const DAA_BAD_DEPTH: u32 = 1u;
 const DAA_NEAR: u32 = 2u;
-const DAA_BEHIND: u32 = 3u;
-const DAA_OBJECTS: u32 = 4u;
-const DAA_STEPS: u32 = 5u;
-const DAA_PLANES: u32 = 6u;
+const DAA_OBJECTS: u32 = 3u;
+const DAA_STEPS: u32 = 4u;
+const DAA_PLANES: u32 = 5u;
 /// Counts of the shading normal; those of the geometric normal lie four further on.
-const DAA_NORMAL_FITS: u32 = 7u;
-const DAA_NORMAL_UNSET: u32 = 8u;
-const DAA_NORMAL_IN_VIEW: u32 = 9u;
-const DAA_NORMAL_FLIPPED: u32 = 10u;
-const DAA_SLOPES: u32 = 15u;
-const DAA_GRADIENT_FITS: u32 = 16u;
-const DAA_GRADIENT_MISSING: u32 = 17u;
-const DAA_GRADIENT_PER_PIXEL: u32 = 18u;
+const DAA_NORMAL_FITS: u32 = 6u;
+const DAA_NORMAL_UNSET: u32 = 7u;
+const DAA_NORMAL_IN_VIEW: u32 = 8u;
+const DAA_NORMAL_FLIPPED: u32 = 9u;
+const DAA_SLOPES: u32 = 14u;
+const DAA_GRADIENT_FITS: u32 = 15u;
+const DAA_GRADIENT_MISSING: u32 = 16u;
+const DAA_GRADIENT_PER_PIXEL: u32 = 17u;
 
-var<workgroup> daa_group_input: array<atomic<u32>, 20>;
+var<workgroup> daa_group_input: array<atomic<u32>, 18>;
 
 fn daa_count(what: u32, yes: bool) {
     if yes {
@@ -101,7 +100,6 @@ fn daa_check_sample(at: vec2i) {
     let perspective = daa_frame.orthographic == 0u;
     daa_count(DAA_COVERED, true);
     daa_count(DAA_NEAR, perspective && d > 0.9);
-    daa_count(DAA_BEHIND, perspective && here.depth <= 0.0);
     daa_count(DAA_OBJECTS, (here.identity >> 16u) != 0u);
 
     let left = daa_checked(at - vec2i(1, 0));

@@ -29,14 +29,6 @@ pub enum InputMistake {
         /// The number of such samples.
         samples: u32,
     },
-    /// Positions lie behind the eye.
-    #[error(
-        "{samples} samples lie behind the camera; give Frame::camera the projection that the G-buffer was rendered with"
-    )]
-    BehindCamera {
-        /// The number of such samples.
-        samples: u32,
-    },
     /// Most normals have the code 0, to which the targets are cleared.
     #[error("{which} is 0 in {:.0} % of the samples; set it before daa_pack, and write all colour targets", share * 100.0)]
     NormalsUnset {
@@ -152,8 +144,6 @@ pub struct InputCounts {
     pub bad_depth: u32,
     /// The number of samples with a depth above 0.9, under a perspective camera.
     pub near: u32,
-    /// The number of samples behind a perspective camera.
-    pub behind: u32,
     /// The number of samples with an object id other than 0.
     pub objects: u32,
     /// The number of samples whose right neighbour is nearer or farther by a tenth.
@@ -172,7 +162,6 @@ pub struct InputCounts {
     pub gradient_missing: u32,
     /// The number of these whose gradients are m times too large.
     pub gradient_per_pixel: u32,
-    padding: u32,
 }
 
 /// The least number of samples to judge from.
@@ -185,9 +174,6 @@ impl InputCounts {
         let share = |part: u32, of: u64| part as f32 / of.max(1) as f32;
         if self.bad_depth > 0 {
             found.push(InputMistake::DepthOutOfRange { samples: self.bad_depth });
-        }
-        if self.behind > 0 {
-            found.push(InputMistake::BehindCamera { samples: self.behind });
         }
         let near = share(self.near, samples);
         if near > 0.5 {

@@ -88,7 +88,6 @@ impl Input<'_> {
         }
         counts.covered += 1;
         counts.near += u32::from(view.perspective && d > 0.9);
-        counts.behind += u32::from(view.perspective && here.depth <= 0.0);
         counts.objects += u32::from(here.identity >> 16 != 0);
         let beside = |dx, dy| self.sample(view, [x + dx, y + dy]);
         let (left, right, up, down) = (beside(-1, 0), beside(1, 0), beside(0, -1), beside(0, 1));

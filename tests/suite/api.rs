@@ -850,7 +850,6 @@ fn texts() {
     assert_snapshot!(InputMistake::ProjectionNotReversed, @"Frame::camera has a projection whose depth grows with the distance; use a reversed one, 1 at the near plane and 0 far away");
     assert_snapshot!(InputMistake::DepthNotReversed { share }, @"75 % of the samples have a depth above 0.9, near the near plane; render with a reversed projection, clear depth to 0 and compare with Greater");
     assert_snapshot!(InputMistake::DepthOutOfRange { samples: 3 }, @"3 samples have a depth that is not in 0 to 1; write the depth of the rasteriser, with its viewport's 0 to 1");
-    assert_snapshot!(InputMistake::BehindCamera { samples: 3 }, @"3 samples lie behind the camera; give Frame::camera the projection that the G-buffer was rendered with");
     assert_snapshot!(InputMistake::NormalsUnset { which, share }, @"DaaFragment::normal is 0 in 75 % of the samples; set it before daa_pack, and write all colour targets");
     assert_snapshot!(InputMistake::NormalsInViewSpace { which, share }, @"DaaFragment::normal is in view space in 75 % of the samples; pass daa_pack a normal in world space");
     assert_snapshot!(InputMistake::NormalsFlipped { which: Normal::Geometric, share }, @"DaaFragment::geometric_normal faces away from the viewer in 75 % of the samples; flip it on back faces, and check that the winding order fits the culling");
