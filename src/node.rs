@@ -517,7 +517,8 @@ impl DeferredAa {
         let shape = self.shape(layout, settings, inputs);
         uniform.results = shape.results.into();
         self.check_scene(frame, uniform.camera_position.into())?;
-        let casting = self.casting(frame, inputs, uniform.camera_position.into())?;
+        let samples = layout.image.map(|side| side * m);
+        let casting = self.casting(frame, inputs, uniform.camera_position.into(), samples)?;
         let steps = steps(settings, &frame.needs);
         self.prepare(frame, steps, &shape)?;
         let Self { buffers, resources, prepared, collector, pipelines, .. } = self;
@@ -685,6 +686,7 @@ impl DeferredAa {
         frame: &Frame<'_>,
         inputs: RayInputs,
         camera: glam::Vec3,
+        samples: [u32; 2],
     ) -> Result<Option<CastingUniform>, RecordError> {
         if !inputs.any() {
             return Ok(None);
@@ -697,7 +699,11 @@ impl DeferredAa {
         if scene.camera() != camera {
             return Err(RecordError::RayCamera { scene: scene.camera(), camera });
         }
-        CastingUniform::new(if inputs.shadows { frame.needs.shadows } else { &[] }, camera).map(Some)
+        let mut casting = CastingUniform::new(if inputs.shadows { frame.needs.shadows } else { &[] }, camera)?;
+        if let GBufferTier::Stored(_) = self.build().gbuffer {
+            casting.bias = (f64::from(frame.settings.ray_bias) * frame.camera.sample_width(samples)) as f32;
+        }
+        Ok(Some(casting))
     }
 
     /// Checks the frame's camera and the content of the G-buffer for probable mistakes;

@@ -40,7 +40,8 @@ struct DaaCasting {
     samples: u32,
     /// 1 if the number of rays of each sample is recorded, for the debug view of rays.
     keeps: u32,
-    padding: u32,
+    /// Distance from a surface at which rays start, over that to the camera unless that is orthographic.
+    bias: f32,
     /// The lattice of DAA_SAMPLES_POINTS.
     step: DaaStep,
     lights: array<DaaCastingLight, 32>,
@@ -141,12 +142,14 @@ fn daa_ranks(group: vec2u, lane: u32, kind: u32) -> DaaRanks {
 }
 
 /// The distance from a surface at which rays start: 2⁻¹⁶ of its distance to the camera, since the depth buffer and the
-/// ray scene round differently. World coordinates do not matter, as both are relative to the camera. Large triangles,
+/// ray scene round differently, or the share of a sample that the rasteriser may lose. World coordinates do not matter, as both are relative to the camera. Large triangles,
 /// and coordinates in a mesh's own space that are much larger, do (`RayScene::least_offsets`): objects that have them
 /// have a least offset.
 fn daa_ray_offset(relative: vec3f, object: u32) -> f32 {
     let from_camera = abs(relative);
-    let by_distance = max(max(from_camera.x, from_camera.y), from_camera.z) * 1.52587890625e-5;
+    let distance = max(max(from_camera.x, from_camera.y), from_camera.z);
+    let by_sample = daa_casting.bias * select(distance, 1.0, daa_frame.orthographic != 0u);
+    let by_distance = max(distance * 1.52587890625e-5, by_sample);
     let offsets = daa_ray_top[0].zw;
     if object >= offsets.x {
         return by_distance;

@@ -401,7 +401,7 @@ fn counters_are_the_shaders() {
 #[test]
 fn casting_is_the_shaders() {
     let light = rust_layout!(LightUniform { position, punctual, direction, cone, range, padding });
-    let casting = rust_layout!(CastingUniform { count, samples, keeps, padding, step, lights });
+    let casting = rust_layout!(CastingUniform { count, samples, keeps, bias, step, lights });
     let lattice = rust_layout!(LatticeUniform { kind, level, width, height, first, place, origin });
     let step = rust_layout!(StepUniform { points, parents, scale, coarsest, rays, found, padding });
     let codes = [

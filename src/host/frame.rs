@@ -93,6 +93,20 @@ impl Camera {
         self.clip_from_view.row(3).truncate() == Vec3::ZERO
     }
 
+    /// The width of a sample at distance 1 of a perspective camera, and anywhere of an orthographic one. `samples` is the
+    /// size of the image in samples.
+    pub(crate) fn sample_width(&self, samples: [u32; 2]) -> f64 {
+        let view_from_clip = self.clip_from_view.as_dmat4().inverse();
+        let near = |x: f64, y: f64| {
+            let p = view_from_clip * DVec4::new(x, y, 1.0, 1.0);
+            p.truncate() / p.w
+        };
+        let centre = near(0.0, 0.0);
+        let [x, y] = samples.map(|side| 2.0 / f64::from(side));
+        let width = (near(x, 0.0) - centre).length().max((near(0.0, y) - centre).length());
+        if self.is_orthographic() { width } else { width / centre.z.abs() }
+    }
+
     /// The transform from clip space to positions relative to the camera, the camera's position, and its view
     /// direction. The projection is inverted in f64, since an infinite one with a small near plane is close to singular
     /// in f32.

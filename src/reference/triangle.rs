@@ -6,7 +6,17 @@ pub fn user(of: [u32; 3], weights: [f64; 3]) -> u32 {
     if of[0] == of[1] && of[0] == of[2] {
         return of[0];
     }
-    let bytes = of.map(u32::to_le_bytes);
-    let byte = |i: usize| (0..3).map(|v| f64::from(bytes[v][i]) * weights[v]).sum::<f64>();
-    u32::from_le_bytes([0, 1, 2, 3].map(|i| (byte(i).clamp(0.0, 255.0) + 0.5).floor() as u8))
+    u32::from_le_bytes(bytes(of, weights).map(|byte| (byte.clamp(0.0, 255.0) + 0.5).floor() as u8))
+}
+
+/// Whether rounding in f32 could not have changed a byte of [`user`].
+pub fn is_user_sure(of: [u32; 3], weights: [f64; 3]) -> bool {
+    let clear = |byte: f64| ((byte - byte.floor()) - 0.5).abs() > 1e-2;
+    of[0] == of[1] && of[0] == of[2] || bytes(of, weights).into_iter().all(clear)
+}
+
+/// The bytes before they are rounded.
+fn bytes(of: [u32; 3], weights: [f64; 3]) -> [f64; 4] {
+    let of = of.map(u32::to_le_bytes);
+    [0, 1, 2, 3].map(|i| (0..3).map(|v| f64::from(of[v][i]) * weights[v]).sum())
 }

@@ -119,6 +119,7 @@ impl Settings {
         range!(surfaces.widening, 0.0, 1.0, Linear),
         range!(surfaces.footprint, 0.0, 4.0, Linear),
         range!(ray_samples, 0.0, 63.0, Linear),
+        range!(ray_bias, 0.0, 1.0, Logarithmic),
         SettingRange {
             path: "goal.error",
             least: 0.0,

@@ -320,6 +320,7 @@ fn expected(scene: &Scene, seen: &Seen) -> Vec<Reflections> {
             frame: &seen.frame,
             // The offset by distance is greater here.
             least_offsets: &[],
+            ray_bias: Settings::default().ray_bias,
             lights: &lights(),
             triangles: &triangles,
             owners: &owners,

@@ -428,9 +428,10 @@ impl Host {
         &mut self,
         mut encoder: wgpu::CommandEncoder,
         (camera, band): (deferred_aa::Camera, Option<Band>),
-        settings: Settings,
+        mut settings: Settings,
         record: impl FnOnce(&mut DeferredAa, &wgpu::Queue, &mut wgpu::CommandEncoder, &Frame<'_>) -> Result<(), RecordError>,
     ) -> Result<(), HostError> {
+        settings.ray_bias = settings.ray_bias.max(self.gpu.least_ray_bias());
         self.shown = Some(camera);
         self.lighting_values.camera = camera.world_from_view.w_axis.truncate().to_array();
         self.write_lighting();

@@ -66,7 +66,7 @@ pub(crate) struct CastingUniform {
     pub count: u32,
     pub samples: u32,
     pub keeps: u32,
-    pub padding: u32,
+    pub bias: f32,
     pub step: StepUniform,
     pub lights: [LightUniform; MAX_CASTING_LIGHTS],
 }

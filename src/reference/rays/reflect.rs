@@ -282,6 +282,8 @@ impl Input<'_> {
                 inside = !leaves;
                 continue;
             }
+            let [v, w] = hit.barycentrics.to_array();
+            *sure &= triangle::is_user_sure(self.attributes[hit.triangle].user, [1.0 - v - w, v, w]);
             let bits = self.trace.bits_at(s.relative_position, s.normal, s.geometric_normal, s.object);
             *sure &= bits.sure.trailing_ones() as usize >= self.trace.lights.len();
             s.shadow = bits.shadow;

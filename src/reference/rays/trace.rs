@@ -21,6 +21,8 @@ pub struct Input<'a> {
     pub frame: &'a [[u32; 2]],
     /// The least offsets of rays by object, [`RayScene::least_offsets`](crate::rays::RayScene::least_offsets).
     pub least_offsets: &'a [f32],
+    /// The setting [`Settings::ray_bias`](crate::Settings::ray_bias), 0 for a visibility buffer.
+    pub ray_bias: f32,
     /// The lights that cast shadows, [`Needs::shadows`](crate::Needs::shadows).
     pub lights: &'a [CastingLight],
     /// The triangles of all instances.
@@ -66,7 +68,10 @@ impl Input<'_> {
     /// `daa_ray_offset`.
     pub(super) fn ray_offset(&self, relative: DVec3, object: u32) -> f64 {
         let least = self.least_offsets.get(object as usize).copied().unwrap_or(0.0);
-        (relative.abs().max_element() * 2f64.powi(-16)).max(f64::from(least))
+        let distance = relative.abs().max_element();
+        let bias = f64::from(self.ray_bias) * self.camera.sample_width(self.samples);
+        let by_sample = if self.camera.is_orthographic() { bias } else { bias * distance };
+        (distance * 2f64.powi(-16)).max(by_sample).max(f64::from(least))
     }
 
     /// The bits of the sample at the G-buffer coordinates x, y.
