@@ -11,7 +11,7 @@ pub fn user(of: [u32; 3], weights: [f64; 3]) -> u32 {
 
 /// Whether rounding in f32 could not have changed a byte of [`user`].
 pub fn is_user_sure(of: [u32; 3], weights: [f64; 3]) -> bool {
-    let clear = |byte: f64| ((byte - byte.floor()) - 0.5).abs() > 1e-2;
+    let clear = |byte: f64| ((byte - byte.floor()) - 0.5).abs() > 2e-3;
     of[0] == of[1] && of[0] == of[2] || bytes(of, weights).into_iter().all(clear)
 }
 
