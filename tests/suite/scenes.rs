@@ -375,11 +375,18 @@ struct Row {
 
 impl Row {
     fn of(scene: Scene, count: u32) -> Self {
+        Self::kept(scene, count, GBufferTier::default())
+    }
+
+    fn kept(scene: Scene, count: u32, gbuffer: GBufferTier) -> Self {
         let x = count as f32 - 1.0;
         let lens = Lens::Orthographic { half_height: 1.0, far: 20.0 };
         let camera =
             Camera { eye: Vec3::new(x, 0.0, 10.0), target: Vec3::new(x, 0.0, 0.0), up: Vec3::Y, lens, near: 0.1 };
-        let mut host = host(scene, TextureTier::Arrays, 2, [16 * count, 16]);
+        let name = scene.name.clone();
+        let options = Options { gbuffer, anisotropy: 8, ..Options::new(16 * count, 16, 2) };
+        let gpu = Gpu::new(device(TextureTier::Arrays).adapter, &options.descriptor()).expect("a device");
+        let mut host = Host::new(gpu, scene, options).unwrap_or_else(|e| panic!("{name}: {e}"));
         Self { picture: shot(&mut host, &camera, Settings { technique: Technique::Full, ..Default::default() }).0 }
     }
 
@@ -764,6 +771,148 @@ fn wrap_modes_of_a_file() {
     for (place, expected) in (0..).zip(expected) {
         for (i, color) in (0..).zip(expected) {
             assert_near(row.at(place, (i as f32 + 0.5) / 6.0, 0.5), color, &format!("mode {place}, sixth {i}"));
+        }
+    }
+}
+
+/// A material that shows a texture as it is.
+fn shows(texture: usize) -> String {
+    format!(r#""pbrMetallicRoughness":{{"baseColorTexture":{{"index":{texture}}}}}{UNLIT}"#)
+}
+
+/// More kinds of sampler than the array tier has classes, for colours and for data: all 18, and those alone that clamp or
+/// mirror, which fewer suffice for.
+#[test]
+fn every_mix_of_wrap_modes_is_drawn() {
+    const WRAPS: [u32; 3] = [10_497, 33_648, 33_071];
+    // The texel that is seen in each half of −1 to 2, by wrap mode.
+    let seen = |mode: usize, half: usize| match mode {
+        0 => half % 2,
+        1 => [1, 0, 0, 1, 1, 0][half],
+        _ => [0, 0, 0, 1, 1, 1][half],
+    };
+    let texels = [[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255], [255, 255, 255, 255]];
+    let uvs: Vec<f32> = UVS.iter().map(|c| c * 3.0 - 1.0).collect();
+    for modes in [&[0, 1, 2][..], &[1, 2]] {
+        let mut model = Model::default();
+        let pairs: Vec<_> = modes.iter().flat_map(|&u| modes.iter().map(move |&v| (u, v))).collect();
+        for &(u, v) in &pairs {
+            let colors = model.texture(&[[0; 4]]);
+            model.images[colors] = format!(r#"{{"uri":"{}"}}"#, uri("image/png", &png(2, 2, texels.as_flattened())));
+            let data = model.texture(&[[0; 4]; 2]);
+            let sampler = 1 + model.samplers.len();
+            let filter = if (u + v) % 2 == 0 { r#""magFilter":9728,"minFilter":9728"# } else { r#""magFilter":9728"# };
+            model.samplers.push(format!(r#"{{{filter},"wrapS":{},"wrapT":{}}}"#, WRAPS[u], WRAPS[v]));
+            for texture in [colors, data] {
+                model.textures[texture] = format!(r#"{{"source":{texture},"sampler":{sampler}}}"#);
+            }
+            let material = model.material(&format!(r#"{},"occlusionTexture":{{"index":{data}}}"#, shows(colors)));
+            let positions = model.floats("VEC3", &POSITIONS);
+            let uvs = model.floats("VEC2", &uvs);
+            let indices = model.indices(&[0, 1, 2, 0, 2, 3]);
+            let attributes = format!(r#""POSITION":{positions},"TEXCOORD_0":{uvs}"#);
+            model.place(&triangles(&attributes, indices, material), "");
+        }
+        let row = Row::of(model.load("mixes", None), pairs.len() as u32);
+        for (place, &(u, v)) in (0..).zip(&pairs) {
+            for (x, y) in (0..6).flat_map(|x| (0..6).map(move |y| (x, y))) {
+                let [r, g, b, _] = texels[seen(u, x) + 2 * seen(v, y)].map(|c| f32::from(c) / 255.0);
+                let at = row.at(place, (x as f32 + 0.5) / 6.0, (y as f32 + 0.5) / 6.0);
+                assert_near(at, Vec3::new(r, g, b), &format!("modes {u}, {v} of {modes:?}, {x}, {y}"));
+            }
+        }
+    }
+}
+
+#[test]
+fn textures_magnified_by_nearest_are_sharp_at_any_size_and_number_of_sizes() {
+    let sizes = [[2, 1], [3, 1], [4, 1], [5, 1], [6, 1], [7, 1], [8, 1], [3, 2], [5, 2], [7, 3]];
+    for filter in
+        [r#""magFilter":9728,"minFilter":9728"#, r#""magFilter":9728"#, r#""magFilter":9728,"minFilter":9987"#]
+    {
+        let mut model = Model::default();
+        model.samplers.push(format!("{{{filter}}}"));
+        for [width, height] in sizes {
+            let texture = model.texture(&[[0; 4]]);
+            let texel = |i: u32| if (i % width + i / width) % 2 == 0 { [255, 0, 0, 255] } else { [0, 255, 0, 255] };
+            let file = png(width, height, (0..width * height).map(texel).collect::<Vec<_>>().as_flattened());
+            model.images[texture] = format!(r#"{{"uri":"{}"}}"#, uri("image/png", &file));
+            model.textures[texture] = format!(r#"{{"source":{texture},"sampler":1}}"#);
+            let material = model.material(&shows(texture));
+            model.draw(material);
+        }
+        let row = Row::of(model.load("pixels", None), sizes.len() as u32);
+        for (place, [width, height]) in (0..).zip(sizes) {
+            for (x, y) in (0..width).flat_map(|x| (0..height).map(move |y| (x, y))) {
+                let at = row.at(place, (x as f32 + 0.5) / width as f32, (y as f32 + 0.5) / height as f32);
+                let right = if (x + y) % 2 == 0 { RED } else { GREEN };
+                assert_near(at, right, &format!("{filter}, {width}x{height}, texel {x}, {y}"));
+            }
+        }
+    }
+}
+
+#[test]
+fn what_a_filter_reads_far_away_is_its_own_matter() {
+    // 64 texels on 16 pixels: the nearest is red or green, a mean is neither.
+    let mut model = Model::default();
+    let texels: Vec<[u8; 4]> = (0..128).map(|i| if i % 2 == 0 { [255, 0, 0, 255] } else { [0, 255, 0, 255] }).collect();
+    for min in [9728, 9987] {
+        model.samplers.push(format!(r#"{{"magFilter":9728,"minFilter":{min}}}"#));
+        let texture = model.texture(&texels);
+        model.textures[texture] = format!(r#"{{"source":{texture},"sampler":{}}}"#, model.samplers.len());
+        let material = model.material(&shows(texture));
+        model.draw(material);
+    }
+    let row = Row::of(model.load("minified", None), 2);
+    // Of the mip of so many texels as pixels, both are means.
+    for place in 0..2 {
+        assert!((row.middle(place) - Vec3::new(0.5, 0.5, 0.0)).length() < 0.02, "{}", row.middle(place));
+    }
+}
+
+/// Slanted squares under nodes of these scales, or of their signs alone: as large in the world either way. Along an axis
+/// of scale 0 nothing slants.
+fn scaled(scales: &[[f32; 3]], by_node: bool) -> Scene {
+    let mut model = Model::default();
+    let material = model.material(r#""pbrMetallicRoughness":{"metallicFactor":0,"roughnessFactor":0.8}"#);
+    for &scale in scales {
+        let bulge = if scale[2] == 0.0 { 0.0 } else { 0.5 };
+        let own = scale.map(|s: f32| if by_node && s != 0.0 { 1.0 / s.abs() } else { 1.0 });
+        let corner = |p: &[f32; 3]| [p[0] * own[0], p[1] * own[1], bulge * p[0] * own[2]];
+        let positions: Vec<_> = POSITIONS.as_chunks::<3>().0.iter().flat_map(corner).collect();
+        let positions = model.floats("VEC3", &positions);
+        let indices = model.indices(&[0, 1, 2, 0, 2, 3]);
+        let attributes = format!(r#""POSITION":{positions}"#);
+        let scale = if by_node { scale } else { scale.map(|s| if s < 0.0 { -1.0 } else { 1.0 }) };
+        model.place(&triangles(&attributes, indices, material), &format!(r#","scale":{scale:?}"#));
+    }
+    model.load("scales", None)
+}
+
+#[test]
+fn nodes_of_any_scale_are_lit_alike() {
+    let scales = [
+        [1e10; 3],
+        [1e-12; 3],
+        [1e15; 3],
+        [1e15, 1.0, 1e-12],
+        [1e-18, 1e18, 1.0],
+        [-1e10, 1e10, 1e10],
+        [-1e-14, -1e-14, 1e14],
+        [3.0, 0.5, 0.0],
+    ];
+    let places = scales.len() as u32;
+    let scene = scaled(&scales, true);
+    let visible = deferred_aa_demo::host::gbuffer_tier(&scene, &device(TextureTier::Arrays).adapter);
+    for gbuffer in [GBufferTier::default(), visible] {
+        let [found, right] = [scene.clone(), scaled(&scales, false)].map(|scene| Row::kept(scene, places, gbuffer));
+        for (place, scale) in (0..).zip(scales) {
+            let what = format!("{scale:?}, {gbuffer:?}");
+            assert!(right.middle(place).min_element() > 0.1, "{what}: {}", right.middle(place));
+            let flat = scale[2] == 0.0;
+            let at = |row: &Row| if flat { row.at(place, 0.5, 0.5) } else { row.at(place, 0.25, 0.75) };
+            assert_near(at(&found), at(&right), &what);
         }
     }
 }

@@ -43,7 +43,9 @@ fn materials_are_the_shaders() {
         unlit,
         transmission,
         ior,
+        readings,
         transforms,
+        texels,
     });
     for tier in TIERS {
         assert_eq!(wgsl_layout(&shading(tier), "Material"), material);

@@ -34,6 +34,40 @@ pub fn resize(width: u32, height: u32, rgba: &[u8], srgb: bool, to: (u32, u32)) 
     resized.pixels().flat_map(|p| encode(p.0, srgb)).collect()
 }
 
+/// Enlarges by repeating texels.
+pub fn enlarge(width: u32, height: u32, rgba: &[u8], to: (u32, u32)) -> Vec<u8> {
+    let texels = rgba.as_chunks::<4>().0;
+    // The texel over which the centre of the new one lies.
+    let under = |i: u32, from: u32, to: u32| ((u64::from(i) * 2 + 1) * u64::from(from) / (u64::from(to) * 2)) as usize;
+    let row = |y| {
+        let row = under(y, height, to.1) * width as usize;
+        (0..to.0).flat_map(move |x| texels[row + under(x, width, to.0)])
+    };
+    (0..to.1).flat_map(row).collect()
+}
+
+/// What may stand on the right of a picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Beside {
+    /// The picture once more.
+    Copy,
+    /// Its left and right exchanged.
+    MirrorImage,
+}
+
+/// The picture with another on its right.
+pub fn twice(width: u32, rgba: &[u8], beside: Beside) -> Vec<u8> {
+    let rows = rgba.as_chunks::<4>().0.chunks(width.max(1) as usize);
+    let row = |row: &[[u8; 4]]| {
+        let mut both = [row, row].concat();
+        if beside == Beside::MirrorImage {
+            both[row.len()..].reverse();
+        }
+        both
+    };
+    rows.flat_map(row).flatten().collect()
+}
+
 /// A box over the two texels of an even side, the three of an odd one (weighted by their share), so that nothing
 /// drifts.
 fn halve(texels: &[[f32; 4]], w: u32, h: u32) -> Vec<[f32; 4]> {
@@ -105,6 +139,16 @@ mod tests {
         let levels = chain(5, 3, &rgba, false);
         assert_eq!(levels.iter().map(|l| (l.width, l.height)).collect::<Vec<_>>(), [(5, 3), (2, 1), (1, 1)]);
         assert_eq!(levels[2].rgba, [70, 0, 255, 255]);
+    }
+
+    #[test]
+    fn pictures_are_repeated_texel_by_texel_and_whole() {
+        let rgba: Vec<u8> = [1, 2, 3].into_iter().flat_map(|i| [i; 4]).collect();
+        let reds = |rgba: Vec<u8>| rgba.into_iter().step_by(4).collect::<Vec<_>>();
+        assert_eq!(reds(enlarge(3, 1, &rgba, (7, 1))), [1, 1, 2, 2, 2, 3, 3]);
+        assert_eq!(reds(enlarge(1, 3, &rgba, (2, 4))), [1, 1, 2, 2, 2, 2, 3, 3]);
+        assert_eq!(reds(twice(3, &rgba, Beside::Copy)), [1, 2, 3, 1, 2, 3]);
+        assert_eq!(reds(twice(3, &rgba, Beside::MirrorImage)), [1, 2, 3, 3, 2, 1]);
     }
 
     #[test]

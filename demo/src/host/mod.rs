@@ -7,6 +7,7 @@ mod layouts;
 pub mod mips;
 pub mod raster;
 pub mod rays;
+mod textures;
 pub mod upload;
 pub mod visible;
 
@@ -161,10 +162,15 @@ pub fn stored(scene: &Scene) -> GBufferTier {
     if scene.textures.is_empty() { UNTEXTURED } else { GBufferTier::default() }
 }
 
+/// The radii of scenes in which the areas of triangles, which a visibility buffer's samples divide by, neither overflow
+/// nor vanish.
+const VISIBLE_RADII: std::ops::RangeInclusive<f32> = 1e-5..=1e9;
+
 /// The G-buffer of a scene on an adapter: a visibility buffer wherever the adapter tells triangles apart.
 pub fn gbuffer_tier(scene: &Scene, adapter: &wgpu::Adapter) -> GBufferTier {
     let has = adapter.features().contains(wgpu::Features::PRIMITIVE_INDEX);
-    if !has {
+    let radius = scene.bounds().map_or(1.0, |bounds| bounds.radius());
+    if !has || !VISIBLE_RADII.contains(&radius) {
         return stored(scene);
     }
     let triangles = scene.meshes.iter().map(|mesh| mesh.indices.len() / 3).max().unwrap_or(0);

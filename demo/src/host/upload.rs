@@ -1,10 +1,9 @@
 //! A scene on the GPU.
 
-use crate::host::mips;
-use crate::scene::{LightKind, Material, Scene, Texture, TextureRef, Wrap};
-use deferred_aa::{DeferredAa, MAX_CASTING_LIGHTS, MAX_CLASSES, TableError, TableSampler, TableTexture, TextureTable};
+use crate::host::textures::{self, Reading, Stored};
+use crate::scene::{LightKind, Material, Scene, TextureRef};
+use deferred_aa::{DeferredAa, MAX_CASTING_LIGHTS, TableError, TableTexture, TextureTable};
 use glam::Vec3;
-use std::collections::HashMap;
 
 /// A mesh's place in the shared buffers.
 #[derive(Debug, Clone, Copy)]
@@ -79,7 +78,9 @@ pub struct GpuMaterial {
     pub(crate) unlit: u32,
     pub(crate) transmission: f32,
     pub(crate) ior: f32,
+    pub(crate) readings: [u32; 8],
     pub(crate) transforms: [[f32; 4]; 10],
+    pub(crate) texels: [[f32; 4]; 5],
 }
 
 /// `Light` of shading.wgsl.
@@ -105,7 +106,7 @@ const MOST_MATERIALS: usize = 1 << 16;
 #[derive(Debug, Clone, thiserror::Error)]
 pub enum UploadError {
     /// The textures.
-    #[error("the scene's textures: {0}")]
+    #[error("the scene's textures: {0} (--textures bindings)")]
     Textures(#[from] TableError),
     /// The materials.
     #[error("the scene has {materials} materials, a G-buffer tells {MOST_MATERIALS} apart; merge those that are alike")]
@@ -167,7 +168,8 @@ impl GpuScene {
                 color: color(mesh.colors[i]),
             }));
         }
-        let mut materials: Vec<_> = scene.materials.iter().map(gpu_material).collect();
+        let Stored { textures, samplers, readings, notices } = textures::store(device, queue, scene, anisotropy)?;
+        let mut materials: Vec<_> = scene.materials.iter().map(|m| gpu_material(m, &readings)).collect();
         if materials.is_empty() {
             materials.push(bytemuck::Zeroable::zeroed());
         }
@@ -180,13 +182,8 @@ impl GpuScene {
         if lights.is_empty() {
             lights.push(bytemuck::Zeroable::zeroed());
         }
-        let (textures, notices) = upload_textures(device, queue, scene)?;
-        let table_textures: Vec<_> = scene
-            .textures
-            .iter()
-            .zip(&textures)
-            .map(|(t, texture)| TableTexture { texture, sampler: sampler(t, anisotropy) })
-            .collect();
+        let table_textures: Vec<_> =
+            textures.iter().zip(samplers).map(|(texture, sampler)| TableTexture { texture, sampler }).collect();
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("upload") });
         let table = aa.texture_table(queue, &mut encoder, &table_textures)?;
         queue.submit([encoder.finish()]);
@@ -230,7 +227,7 @@ pub(crate) fn color(c: glam::Vec4) -> [u8; 4] {
     c.to_array().map(|c| (c.clamp(0.0, 1.0) * 255.0 + 0.5) as u8)
 }
 
-fn gpu_material(m: &Material) -> GpuMaterial {
+fn gpu_material(m: &Material, readings: &[Reading]) -> GpuMaterial {
     let refs =
         [m.base_color_texture, m.metallic_roughness_texture, m.normal_texture, m.occlusion_texture, m.emissive_texture];
     let row = |v: Vec3| [v.x, v.y, v.z, 0.0];
@@ -238,6 +235,14 @@ fn gpu_material(m: &Material) -> GpuMaterial {
     let mut transforms = [[0.0; 4]; 10];
     for (pair, r) in transforms.as_chunks_mut::<2>().0.iter_mut().zip(refs) {
         *pair = rows(r);
+    }
+    let mut how = [0; 8];
+    let mut texels = [[0.0; 4]; 5];
+    for (map, r) in refs.iter().enumerate() {
+        if let Some(r) = r {
+            let reading = &readings[r.texture];
+            (how[map], texels[map]) = (reading.how, reading.texels);
+        }
     }
     GpuMaterial {
         base_color: m.base_color.to_array(),
@@ -252,7 +257,9 @@ fn gpu_material(m: &Material) -> GpuMaterial {
         transmission: m.transmission,
         // A thin wall bends nothing.
         ior: if m.volume { m.ior } else { 1.0 },
+        readings: how,
         transforms,
+        texels,
     }
 }
 
@@ -276,156 +283,5 @@ fn gpu_light(l: &crate::scene::Light) -> GpuLight {
         spot_offset: offset,
         casts: 0,
         padding: [0; 2],
-    }
-}
-
-fn sampler(t: &Texture, anisotropy: u16) -> TableSampler {
-    let address = |wrap| match wrap {
-        Wrap::Repeat => wgpu::AddressMode::Repeat,
-        Wrap::Mirror => wgpu::AddressMode::MirrorRepeat,
-        Wrap::Clamp => wgpu::AddressMode::ClampToEdge,
-    };
-    TableSampler { address_u: address(t.wrap_u), address_v: address(t.wrap_v), nearest: t.nearest, anisotropy }
-}
-
-/// One texture for each image in each colour space that is asked for, and where needed resized so that the array tier
-/// has few enough classes; on both tiers alike, so that both give the same picture.
-fn upload_textures(
-    device: &wgpu::Device,
-    queue: &wgpu::Queue,
-    scene: &Scene,
-) -> Result<(Vec<wgpu::Texture>, Vec<String>), UploadError> {
-    let limit = device.limits().max_texture_dimension_2d;
-    for image in &scene.images {
-        if image.width > limit || image.height > limit {
-            let (name, width, height) = (image.name.clone(), image.width, image.height);
-            return Err(UploadError::Image { name, width, height, limit });
-        }
-    }
-    let natural: Vec<_> =
-        scene.textures.iter().map(|t| (scene.images[t.image].width, scene.images[t.image].height)).collect();
-    let (sizes, notices) = common_sizes(&scene.textures, &natural);
-    let mut made: HashMap<(usize, bool, (u32, u32)), wgpu::Texture> = HashMap::new();
-    let mut jobs: Vec<_> = scene.textures.iter().zip(&sizes).map(|(t, &size)| (t.image, t.srgb, size)).collect();
-    jobs.sort_unstable();
-    jobs.dedup();
-    let next = std::sync::atomic::AtomicUsize::new(0);
-    let chains = std::sync::Mutex::new(Vec::with_capacity(jobs.len()));
-    std::thread::scope(|threads| {
-        for _ in 0..std::thread::available_parallelism().map_or(1, usize::from) {
-            threads.spawn(|| {
-                while let Some(&(image, srgb, (w, h))) =
-                    jobs.get(next.fetch_add(1, std::sync::atomic::Ordering::Relaxed))
-                {
-                    let picture = &scene.images[image];
-                    let levels = if (w, h) == (picture.width, picture.height) {
-                        mips::chain(w, h, &picture.rgba, srgb)
-                    } else {
-                        mips::chain(
-                            w,
-                            h,
-                            &mips::resize(picture.width, picture.height, &picture.rgba, srgb, (w, h)),
-                            srgb,
-                        )
-                    };
-                    if let Ok(mut all) = chains.lock() {
-                        all.push(((image, srgb, (w, h)), levels));
-                    }
-                }
-            });
-        }
-    });
-    for (key, levels) in chains.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner) {
-        made.insert(key, texture(device, queue, &levels, key.1));
-    }
-    let textures = scene.textures.iter().zip(&sizes).map(|(t, &size)| made[&(t.image, t.srgb, size)].clone()).collect();
-    Ok((textures, notices))
-}
-
-/// The sizes to upload, so that textures fall into at most [`MAX_CLASSES`] classes: as they are if they do, else the
-/// pair of sizes whose union costs the fewest texels is enlarged to it, again and again.
-fn common_sizes(textures: &[Texture], natural: &[(u32, u32)]) -> (Vec<(u32, u32)>, Vec<String>) {
-    let mut sizes = natural.to_vec();
-    let mut notices = Vec::new();
-    let class = |t: &Texture, size: (u32, u32)| (t.srgb, t.wrap_u, t.wrap_v, t.nearest, size);
-    loop {
-        let mut classes: HashMap<_, u64> = HashMap::new();
-        for (t, &size) in textures.iter().zip(&sizes) {
-            *classes.entry(class(t, size)).or_default() += 1;
-        }
-        if classes.len() <= MAX_CLASSES {
-            break;
-        }
-        let area = |(w, h): (u32, u32)| u64::from(w) * u64::from(h);
-        let keys: Vec<_> = classes.keys().copied().collect();
-        let merge = keys
-            .iter()
-            .flat_map(|a| keys.iter().map(move |b| (a, b)))
-            .filter(|(a, b)| a != b && (a.0, a.1, a.2, a.3) == (b.0, b.1, b.2, b.3))
-            .map(|(a, b)| {
-                let union = (a.4.0.max(b.4.0), a.4.1.max(b.4.1));
-                let cost = (area(union) - area(a.4)) * classes[a] + (area(union) - area(b.4)) * classes[b];
-                (cost, *a, *b, union)
-            })
-            .min();
-        // Samplers alone make too many classes: the table will say so.
-        let Some((_, a, b, union)) = merge else { break };
-        for (t, size) in textures.iter().zip(&mut sizes) {
-            if class(t, *size) == a || class(t, *size) == b {
-                *size = union;
-            }
-        }
-    }
-    let resized = sizes.iter().zip(natural).filter(|(a, b)| a != b).count();
-    if resized > 0 {
-        notices.push(format!("{resized} textures were enlarged so that all fall into {MAX_CLASSES} classes"));
-    }
-    (sizes, notices)
-}
-
-fn texture(device: &wgpu::Device, queue: &wgpu::Queue, levels: &[mips::Level], srgb: bool) -> wgpu::Texture {
-    let extent = |l: &mips::Level| wgpu::Extent3d { width: l.width, height: l.height, depth_or_array_layers: 1 };
-    let texture = device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("scene texture"),
-        size: extent(&levels[0]),
-        mip_level_count: levels.len() as u32,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: if srgb { wgpu::TextureFormat::Rgba8UnormSrgb } else { wgpu::TextureFormat::Rgba8Unorm },
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST | wgpu::TextureUsages::COPY_SRC,
-        view_formats: &[],
-    });
-    for (mip, level) in (0..).zip(levels) {
-        queue.write_texture(
-            wgpu::TexelCopyTextureInfo { mip_level: mip, ..texture.as_image_copy() },
-            &level.rgba,
-            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(level.width * 4), rows_per_image: None },
-            extent(level),
-        );
-    }
-    texture
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn many_sizes_become_few_classes() {
-        let textures: Vec<_> = (0..12)
-            .map(|image| Texture {
-                image,
-                srgb: image % 2 == 0,
-                wrap_u: Wrap::Repeat,
-                wrap_v: Wrap::Repeat,
-                nearest: false,
-            })
-            .collect();
-        let natural: Vec<_> = (0..12).map(|i| (16 << (i / 2), 16 + 3 * i)).collect();
-        let (sizes, notices) = common_sizes(&textures, &natural);
-        let classes: std::collections::HashSet<_> = textures.iter().zip(&sizes).map(|(t, s)| (t.srgb, s)).collect();
-        assert!(classes.len() <= MAX_CLASSES);
-        assert!(sizes.iter().zip(&natural).all(|(a, b)| a.0 >= b.0 && a.1 >= b.1));
-        assert_eq!(notices.len(), 1);
     }
 }

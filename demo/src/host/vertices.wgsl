@@ -71,17 +71,23 @@ fn towards_camera(relative: vec3f) -> vec3f {
     return select(-relative, view.orthographic.xyz, view.orthographic.w != 0.0);
 }
 
+/// A vector of moderate length, so that products of it neither overflow nor vanish.
+fn moderate(v: vec3f) -> vec3f {
+    let greatest = max(max(abs(v.x), abs(v.y)), abs(v.z));
+    return v / max(greatest, 1e-37);
+}
+
 /// `across` and `down` are the steps of the relative position from pixel to pixel.
 fn facing(v: Varying, front: bool, across: vec3f, down: vec3f) -> Facing {
     // Towards the eye, whichever way the triangle winds.
     let towards = towards_camera(v.relative);
-    let plane = cross(across, down);
+    let plane = cross(moderate(across), moderate(down));
     let side = select(-1.0, 1.0, front);
     let normal = v.normal * side;
     let seen = select(plane, -plane, dot(plane, towards) < 0.0);
     var f: Facing;
     f.normal = select(vec3f(0.0, 1.0, 0.0), normal, dot(normal, normal) > 1e-12);
-    f.geometric_normal = select(f.normal, seen, dot(plane, plane) > 1e-36);
+    f.geometric_normal = select(f.normal, seen, dot(plane, plane) > 1e-12);
     f.tangent = vec4f(v.tangent.xyz, v.tangent.w * side);
     return f;
 }

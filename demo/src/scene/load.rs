@@ -14,19 +14,27 @@ mod limits;
 mod material;
 mod mesh;
 mod nodes;
+mod placement;
+mod skin;
 mod uri;
+mod uv_sets;
 
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::path::Path;
+use std::rc::Rc;
 
-use glam::Vec3;
+use glam::{Mat4, Vec3};
 use gltf::json::Root;
+use gltf::json::mesh::{Primitive, Semantic};
+use gltf::json::validation::Checked;
 
 use self::accessor::Document;
 pub use self::error::{LoadError, Problem};
 use self::limits::{MAX_INSTANCES, label};
 use self::material::MaterialTable;
+use self::placement::Shape;
+use self::skin::Skin;
 use super::{Camera, Instance, Light, Mesh, Scene, Sun};
 
 /// Extensions that files may require.
@@ -72,7 +80,7 @@ fn parse(file: &[u8], path: &Path, scene_index: Option<usize>) -> Result<Scene, 
 
     let placed = nodes::walk(&document.root, scene_index, &mut notices)?;
     note_the_static(&document.root, &placed, animations, &mut notices);
-    let mut assembly = Assembly::new(&document);
+    let mut assembly = Assembly::new(&document, nodes::worlds(&document.root, &placed));
     for node in placed {
         assembly.add_node(node)?;
     }
@@ -151,9 +159,6 @@ fn note_the_static(root: &Root, placed: &[nodes::Placed], animations: usize, not
         notices.push(format!("{animations} animations ignored"));
     }
     let drawn = || placed.iter().filter(|node| node.visible).filter_map(|node| root.nodes.get(node.number));
-    if drawn().any(|node| node.skin.is_some() && node.mesh.is_some()) {
-        notices.push("skins ignored, meshes stand in their bind pose".to_owned());
-    }
     let meshes = drawn().filter_map(|node| root.meshes.get(node.mesh?.value()));
     if meshes.flat_map(|mesh| &mesh.primitives).any(|primitive| primitive.targets.is_some()) {
         notices.push("morph targets ignored, their weights are taken as 0".to_owned());
@@ -165,8 +170,13 @@ struct Assembly<'a> {
     document: &'a Document<'a>,
     materials: MaterialTable<'a>,
     meshes: Vec<Mesh>,
-    /// The scene's meshes for a mesh of the file.
-    converted: HashMap<usize, Vec<usize>>,
+    /// The scene's meshes for a mesh of the file in a shape.
+    converted: HashMap<(usize, Shape), Vec<usize>>,
+    /// The world matrices of all nodes.
+    worlds: Vec<Mat4>,
+    skins: HashMap<usize, Rc<Skin>>,
+    /// The first copy of a mesh that its matrix leaves no surface of, and their number.
+    collapsed: Option<(String, usize)>,
     corner_budget: usize,
     instances: Vec<Instance>,
     objects: usize,
@@ -176,12 +186,15 @@ struct Assembly<'a> {
 }
 
 impl<'a> Assembly<'a> {
-    fn new(document: &'a Document<'a>) -> Self {
+    fn new(document: &'a Document<'a>, worlds: Vec<Mat4>) -> Self {
         Self {
             document,
             materials: MaterialTable::new(&document.root),
             meshes: Vec::new(),
             converted: HashMap::new(),
+            worlds,
+            skins: HashMap::new(),
+            collapsed: None,
             corner_budget: mesh::MAX_CORNERS,
             instances: Vec::new(),
             objects: 0,
@@ -217,23 +230,60 @@ impl<'a> Assembly<'a> {
                 None => self.notices.push(format!("{place}: light {index} ignored, it is dark or degenerate")),
             }
         }
-        if let Some(mesh) = node.mesh {
-            let meshes = self.mesh(mesh.value(), &place)?;
-            for world_from_mesh in nodes::copies(self.document, node, &place, world)? {
-                let object = (self.objects % usize::from(u16::MAX)) as u16 + 1;
-                self.objects += 1;
-                self.instances.extend(meshes.iter().map(|&mesh| Instance { mesh, world_from_mesh, object }));
-                if self.instances.len() > MAX_INSTANCES {
-                    return Err(Problem::TooLarge { what: "the instances".to_owned(), limit: MAX_INSTANCES });
+        let Some(mesh) = node.mesh.map(|mesh| mesh.value()) else { return Ok(()) };
+        if let Some(skin) = self.skin(node, &place)? {
+            let (number, skin) = skin;
+            let meshes = self.mesh(mesh, (Shape::Skinned(number), Some(&skin)), &place)?;
+            return self.add_instance(&meshes, Mat4::from_translation(skin.origin.as_vec3()));
+        }
+        for world in nodes::copies(self.document, node, &place, world)? {
+            match placement::split(world) {
+                Some((shape, world_from_mesh)) => {
+                    let meshes = self.mesh(mesh, (shape, None), &place)?;
+                    self.add_instance(&meshes, world_from_mesh)?;
                 }
+                None => self.collapsed.get_or_insert_with(|| (place.clone(), 0)).1 += 1,
             }
         }
         Ok(())
     }
 
-    /// The scene's meshes for mesh `number` of the file, converted when first met.
-    fn mesh(&mut self, number: usize, user: &str) -> Result<Vec<usize>, Problem> {
-        if let Some(known) = self.converted.get(&number) {
+    /// Draws meshes as one object.
+    fn add_instance(&mut self, meshes: &[usize], world_from_mesh: Mat4) -> Result<(), Problem> {
+        let object = (self.objects % usize::from(u16::MAX)) as u16 + 1;
+        self.objects += 1;
+        self.instances.extend(meshes.iter().map(|&mesh| Instance { mesh, world_from_mesh, object }));
+        if self.instances.len() > MAX_INSTANCES {
+            return Err(Problem::TooLarge { what: "the instances".to_owned(), limit: MAX_INSTANCES });
+        }
+        Ok(())
+    }
+
+    /// The skin of a node whose mesh has joints, read when first met, and its number.
+    fn skin(&mut self, node: &gltf::json::Node, place: &str) -> Result<Option<(usize, Rc<Skin>)>, Problem> {
+        let Some(number) = node.skin.map(|skin| skin.value()) else { return Ok(None) };
+        let mesh = node.mesh.and_then(|mesh| self.document.root.meshes.get(mesh.value()));
+        let is_bound = |primitive: &Primitive| primitive.attributes.contains_key(&Checked::Valid(Semantic::Joints(0)));
+        if mesh.is_some_and(|mesh| !mesh.primitives.iter().any(is_bound)) {
+            self.notices.push(format!("{place}: its skin ignored, its mesh has no joints"));
+            return Ok(None);
+        }
+        if let Some(known) = self.skins.get(&number) {
+            return Ok(Some((number, known.clone())));
+        }
+        let skin = Rc::new(Skin::read(self.document, number, place, &self.worlds)?);
+        self.skins.insert(number, skin.clone());
+        Ok(Some((number, skin)))
+    }
+
+    /// The scene's meshes for mesh `number` of the file in a shape, converted when first met.
+    fn mesh(
+        &mut self,
+        number: usize,
+        (shape, skin): (Shape, Option<&Skin>),
+        user: &str,
+    ) -> Result<Vec<usize>, Problem> {
+        if let Some(known) = self.converted.get(&(number, shape)) {
             return Ok(known.clone());
         }
         let root = &self.document.root;
@@ -244,24 +294,33 @@ impl<'a> Assembly<'a> {
             count: root.meshes.len(),
         })?;
         let place = label("mesh", number, mesh.name.as_deref());
-        let mut converted = Vec::new();
+        let first = self.meshes.len();
         for (i, primitive) in mesh.primitives.iter().enumerate() {
             let place = format!("{place} primitive {i}");
-            let material = self.materials.material(primitive.material, &place)?;
-            let material = (&self.materials.materials[material], material, self.materials.uv_sets[material]);
-            let budget = &mut self.corner_budget;
-            if let Some(mesh) = mesh::convert(self.document, primitive, &place, material, budget, &mut self.notices)? {
-                converted.push(self.meshes.len());
-                self.meshes.push(mesh);
-            }
+            let (materials, budget) = (&mut self.materials, &mut self.corner_budget);
+            let how = (shape, skin);
+            self.meshes.extend(mesh::convert(
+                self.document,
+                primitive,
+                &place,
+                how,
+                materials,
+                budget,
+                &mut self.notices,
+            )?);
         }
-        self.converted.insert(number, converted.clone());
+        let converted: Vec<usize> = (first..self.meshes.len()).collect();
+        self.converted.insert((number, shape), converted.clone());
         Ok(converted)
     }
 
     fn finish(mut self, path: &Path, folder: &Path) -> Result<Scene, Problem> {
         let images = images::decode_all(self.document, folder, &self.materials.images)?;
         self.notices.append(&mut self.materials.notices);
+        if let Some((first, count)) = self.collapsed {
+            let others = if count > 1 { format!(" and {} more", count - 1) } else { String::new() };
+            self.notices.push(format!("{first}{others} not drawn, the scale leaves a line or a point"));
+        }
         let mut scene = Scene {
             name: path.display().to_string(),
             meshes: self.meshes,

@@ -148,8 +148,17 @@ pub struct Texture {
     pub wrap_u: Wrap,
     /// Along v.
     pub wrap_v: Wrap,
-    /// Nearest texel, no mip maps, no anisotropy (glTF magFilter NEAREST with a minFilter that is NEAREST*).
-    pub nearest: bool,
+    /// Where it is read without a filter.
+    pub nearest: Nearest,
+}
+
+/// Where the nearest texel is read in place of a mean: glTF's filters NEAREST and NEAREST_MIPMAP_*.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub struct Nearest {
+    /// Where a texel covers at least what is seen of the texture.
+    pub magnified: bool,
+    /// Where it covers less: of the nearest mip then, without anisotropy.
+    pub minified: bool,
 }
 
 /// What happens outside [0, 1].

@@ -8,7 +8,7 @@ use glam::{EulerRot, Mat4, Quat, Vec2, Vec3};
 use super::paint::{self, Painting, clouds, hash, noise, step};
 use super::shape::Shape;
 use super::stage::{Stage, matt, perspective, srgb};
-use crate::scene::{Material, Sky, Sun, Texture, TextureRef, Wrap};
+use crate::scene::{Material, Nearest, Sky, Sun, Texture, TextureRef, Wrap};
 
 /// Where the arcade nearest to the viewer begins; the hall runs towards −z.
 const START: f32 = 14.0;
@@ -105,8 +105,13 @@ fn palette(stage: &mut Stage) -> Palette {
         ..matt("plaster")
     };
     let image = stage.image("leaves", leaves());
-    let leaf_texture =
-        stage.texture(Texture { image, srgb: true, wrap_u: Wrap::Clamp, wrap_v: Wrap::Clamp, nearest: false });
+    let leaf_texture = stage.texture(Texture {
+        image,
+        srgb: true,
+        wrap_u: Wrap::Clamp,
+        wrap_v: Wrap::Clamp,
+        nearest: Nearest::default(),
+    });
     let leaves = Material {
         base_color_texture: Some(leaf_texture),
         alpha_cutoff: Some(0.5),

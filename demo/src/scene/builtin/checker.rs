@@ -8,7 +8,7 @@ use glam::{Mat4, Vec2, Vec3};
 use super::paint::{self, Painting};
 use super::shape::Shape;
 use super::stage::{Stage, matt, perspective, srgb};
-use crate::scene::{Material, Sun, Texture, Wrap};
+use crate::scene::{Material, Nearest, Sun, Texture, Wrap};
 
 const PANEL: f32 = 2.0;
 const PER_ROW: usize = 4;
@@ -28,7 +28,8 @@ pub(super) fn build() -> Stage {
     plane.quad(origin, Vec3::X * 2000.0, Vec3::NEG_Z * 2000.0, Vec2::ZERO, Vec2::splat(500.0));
     stage.draw("floor", plane, floor);
 
-    let base = Texture { image: picture, srgb: true, wrap_u: Wrap::Repeat, wrap_v: Wrap::Repeat, nearest: false };
+    let base =
+        Texture { image: picture, srgb: true, wrap_u: Wrap::Repeat, wrap_v: Wrap::Repeat, nearest: Nearest::default() };
     let wraps = |wrap| Texture { wrap_u: wrap, wrap_v: wrap, ..base };
     let panels: [(&str, Texture, Shape); 8] = [
         ("mirrored halves", base, mirrored_halves()),
@@ -36,7 +37,11 @@ pub(super) fn build() -> Stage {
         ("negative tiles", base, panel(Vec2::splat(-7.25), Vec2::splat(-5.25))),
         ("clamped", wraps(Wrap::Clamp), panel(Vec2::splat(-0.5), Vec2::splat(1.5))),
         ("mirrored wrap", wraps(Wrap::Mirror), panel(Vec2::splat(-1.0), Vec2::splat(2.0))),
-        ("nearest", Texture { nearest: true, ..base }, panel(Vec2::ZERO, Vec2::splat(0.25))),
+        (
+            "nearest",
+            Texture { nearest: Nearest { magnified: true, minified: true }, ..base },
+            panel(Vec2::ZERO, Vec2::splat(0.25)),
+        ),
         ("one point", base, panel(Vec2::splat(0.3), Vec2::splat(0.3))),
         ("one line", base, panel(Vec2::new(0.0, 0.6), Vec2::new(2.0, 0.6))),
     ];

@@ -5,8 +5,8 @@ use glam::{Mat4, Vec3, Vec4};
 use super::paint::Painting;
 use super::shape::Shape;
 use crate::scene::{
-    Camera, Image, Instance, Lens, Light, LightKind, Material, Mesh, Scene, Sky, Sun, Texture, TextureRef, Wrap,
-    tangents,
+    Camera, Image, Instance, Lens, Light, LightKind, Material, Mesh, Nearest, Scene, Sky, Sun, Texture, TextureRef,
+    Wrap, tangents,
 };
 
 /// A scene under construction.
@@ -105,7 +105,7 @@ impl Stage {
 }
 
 fn plain(image: usize) -> Texture {
-    Texture { image, srgb: false, wrap_u: Wrap::Repeat, wrap_v: Wrap::Repeat, nearest: false }
+    Texture { image, srgb: false, wrap_u: Wrap::Repeat, wrap_v: Wrap::Repeat, nearest: Nearest::default() }
 }
 
 /// A white material without any highlight to speak of.

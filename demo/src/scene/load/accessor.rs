@@ -131,10 +131,26 @@ impl Elements<'_> {
         self.bytes(i).map_or(0, |bytes| unsigned(bytes, self.component))
     }
 
+    /// Element `i` as unsigned numbers. `i` is below [`Self::len`], `N` at most [`Self::dimensions`].
+    pub fn unsigned<const N: usize>(&self, i: usize) -> [u32; N] {
+        match self.bytes(i) {
+            Some(bytes) => {
+                let size = self.component.size();
+                std::array::from_fn(|k| unsigned(&bytes[k * size..], self.component))
+            }
+            None => [0; N],
+        }
+    }
+
+    /// Whether elements are made of unsigned numbers.
+    pub fn are_unsigned(&self) -> bool {
+        use ComponentType::{U8, U16, U32};
+        matches!(self.component, U8 | U16 | U32)
+    }
+
     /// Whether elements can be indices: unsigned scalars.
     pub fn are_indices(&self) -> bool {
-        use ComponentType::{U8, U16, U32};
-        self.dimensions == 1 && matches!(self.component, U8 | U16 | U32)
+        self.dimensions == 1 && self.are_unsigned()
     }
 
     fn bytes(&self, i: usize) -> Option<&[u8]> {

@@ -105,6 +105,20 @@ pub enum Problem {
         /// The vertex count.
         vertices: usize,
     },
+    /// A vertex bound to a joint that does not exist.
+    #[error("{place}: vertex {vertex} is bound to joint {joint}, but {skin} has {joints}; export it again")]
+    Joint {
+        /// The primitive.
+        place: String,
+        /// The vertex.
+        vertex: u32,
+        /// The joint that it asks for.
+        joint: usize,
+        /// The skin.
+        skin: String,
+        /// The number of its joints.
+        joints: usize,
+    },
     /// A picture that a drawn material needs and that cannot be had.
     #[error("{place}: {reason}; supply it as PNG or JPEG, at most {} texels a side", super::limits::MAX_SIDE)]
     Image {

@@ -13,10 +13,13 @@ use serde_json::{Map, Value};
 
 use super::error::Problem;
 use super::limits::label;
-use crate::scene::{Material, Texture, TextureRef, Wrap};
+use crate::scene::{Material, Nearest, Texture, TextureRef, Wrap};
 
 /// Emission beyond this is taken for a mistake; it still leaves room for any lamp.
 const MAX_EMISSION: f32 = 1e6;
+
+/// The maps of a material, as notices call them and in the order of [`Material::textures_mut`].
+const MAPS: [&str; 5] = ["base colour", "metallic-roughness", "normal", "occlusion", "emissive"];
 
 /// Collects the materials that are asked for, and the textures and images that those use.
 pub(super) struct MaterialTable<'a> {
@@ -24,8 +27,10 @@ pub(super) struct MaterialTable<'a> {
     converted: HashMap<Option<usize>, usize>,
     /// As for the scene.
     pub materials: Vec<Material>,
-    /// Which TEXCOORD_n each material reads.
-    pub uv_sets: Vec<u32>,
+    /// Which TEXCOORD_n the maps of each material read, in the order of [`MAPS`].
+    uv_sets: Vec<[Option<u32>; 5]>,
+    /// Materials whose maps are read through other transforms, by what they are made from and those transforms.
+    variants: HashMap<(usize, [Option<[u32; 6]>; 5]), usize>,
     /// As for the scene.
     pub textures: Vec<Texture>,
     /// The file's numbers of the images that textures use.
@@ -48,6 +53,7 @@ impl<'a> MaterialTable<'a> {
             converted: HashMap::new(),
             materials: Vec::new(),
             uv_sets: Vec::new(),
+            variants: HashMap::new(),
             textures: Vec::new(),
             images: Vec::new(),
             notices: Vec::new(),
@@ -76,14 +82,56 @@ impl<'a> MaterialTable<'a> {
                 (&default, "default material".to_owned())
             }
         };
-        let (material, uv_set) = self.convert(material, &place)?;
+        let (material, uv_sets) = self.convert(material, &place)?;
         self.materials.push(material);
-        self.uv_sets.push(uv_set);
+        self.uv_sets.push(uv_sets);
         self.converted.insert(key, self.materials.len() - 1);
         Ok(self.materials.len() - 1)
     }
 
-    fn convert(&mut self, material: &json::Material, place: &str) -> Result<(Material, u32), Problem> {
+    /// The sets of texture coordinates that a material reads, without repetition; the base colour's first. Never empty.
+    pub fn uv_sets(&self, material: usize) -> Vec<u32> {
+        let mut sets = Vec::new();
+        for set in self.uv_sets[material].into_iter().flatten() {
+            if !sets.contains(&set) {
+                sets.push(set);
+            }
+        }
+        if sets.is_empty() { vec![0] } else { sets }
+    }
+
+    /// The maps of a material that read a set, by name.
+    pub fn maps_on(&self, material: usize, set: u32) -> impl Iterator<Item = &'static str> {
+        MAPS.into_iter().zip(self.uv_sets[material]).filter(move |&(_, own)| own == Some(set)).map(|(name, _)| name)
+    }
+
+    /// A material like another whose maps take the coordinates of their set from those of one set, by these rows; maps
+    /// whose set has none are left out.
+    pub fn on_one_set(&mut self, material: usize, rows: impl Fn(u32) -> Option<[Vec3; 2]>) -> usize {
+        let mut variant = self.materials[material].clone();
+        for (map, set) in variant.textures_mut().into_iter().zip(self.uv_sets[material]) {
+            *map = map.zip(set).and_then(|(map, set)| rows(set).map(|rows| map.after(rows)));
+        }
+        let bits = |map: &mut Option<TextureRef>| {
+            map.map(|map| {
+                let [a, b, c] = map.u_row.to_array().map(f32::to_bits);
+                let [d, e, f] = map.v_row.to_array().map(f32::to_bits);
+                [a, b, c, d, e, f]
+            })
+        };
+        let key = |material: &mut Material| material.textures_mut().map(bits);
+        let own = key(&mut variant);
+        if own == key(&mut self.materials[material]) {
+            return material;
+        }
+        *self.variants.entry((material, own)).or_insert_with(|| {
+            self.materials.push(variant);
+            self.uv_sets.push([None; 5]);
+            self.materials.len() - 1
+        })
+    }
+
+    fn convert(&mut self, material: &json::Material, place: &str) -> Result<(Material, [Option<u32>; 5]), Problem> {
         let pbr = &material.pbr_metallic_roughness;
         let extensions = material.extensions.as_ref();
         let strength = extensions.and_then(|e| e.emissive_strength.as_ref()).map_or(1.0, |e| e.emissive_strength.0);
@@ -101,23 +149,16 @@ impl<'a> MaterialTable<'a> {
             .transpose()?;
 
         let all = [&base_color, &metallic_roughness, &normal_map, &occlusion_map, &emissive];
-        let uv_set = all.into_iter().flatten().next().map_or(0, |first| first.uv_set);
+        let uv_sets = all.map(|map| map.as_ref().map(|map| map.uv_set));
         let mut texture = |reference: Option<Reference>, role: &str, srgb| match reference {
-            Some(reference) if reference.uv_set != uv_set => {
-                let other = reference.uv_set;
-                self.notice(format!(
-                    "{place}: {role} texture ignored, it is on TEXCOORD_{other} and only TEXCOORD_{uv_set} is used"
-                ));
-                Ok(None)
-            }
             Some(reference) => self.texture(&reference, place, role, srgb),
             None => Ok(None),
         };
-        let base_color_texture = texture(base_color, "base colour", true)?;
-        let metallic_roughness_texture = texture(metallic_roughness, "metallic-roughness", false)?;
-        let normal_texture = texture(normal_map, "normal", false)?;
-        let occlusion_texture = texture(occlusion_map, "occlusion", false)?;
-        let emissive_texture = texture(emissive, "emissive", true)?;
+        let base_color_texture = texture(base_color, MAPS[0], true)?;
+        let metallic_roughness_texture = texture(metallic_roughness, MAPS[1], false)?;
+        let normal_texture = texture(normal_map, MAPS[2], false)?;
+        let occlusion_texture = texture(occlusion_map, MAPS[3], false)?;
+        let emissive_texture = texture(emissive, MAPS[4], true)?;
 
         let mut clamp = |value: f32, name: &str, least: f32, most: f32, fallback: f32| {
             let clamped = if value.is_finite() { value.clamp(least, most) } else { fallback };
@@ -179,7 +220,7 @@ impl<'a> MaterialTable<'a> {
             occlusion_texture,
             emissive_texture,
         };
-        Ok((converted, uv_set))
+        Ok((converted, uv_sets))
     }
 
     /// `None` with a notice where the file gives a texture without a picture.
@@ -224,16 +265,14 @@ impl<'a> MaterialTable<'a> {
             self.images.push(source);
             self.images.len() - 1
         });
-        use MinFilter::{Nearest, NearestMipmapLinear, NearestMipmapNearest};
-        let near =
-            matches!(sampler.min_filter, Some(Checked::Valid(Nearest | NearestMipmapNearest | NearestMipmapLinear)));
-        let texture = Texture {
-            image,
-            srgb,
-            wrap_u: wrap(&sampler.wrap_s),
-            wrap_v: wrap(&sampler.wrap_t),
-            nearest: near && matches!(sampler.mag_filter, Some(Checked::Valid(MagFilter::Nearest))),
+        let near = |filter: MinFilter| {
+            matches!(filter, MinFilter::Nearest | MinFilter::NearestMipmapNearest | MinFilter::NearestMipmapLinear)
         };
+        let nearest = Nearest {
+            magnified: matches!(sampler.mag_filter, Some(Checked::Valid(MagFilter::Nearest))),
+            minified: matches!(sampler.min_filter, Some(Checked::Valid(filter)) if near(filter)),
+        };
+        let texture = Texture { image, srgb, wrap_u: wrap(&sampler.wrap_s), wrap_v: wrap(&sampler.wrap_t), nearest };
         let texture = self.textures.iter().position(|other| *other == texture).unwrap_or_else(|| {
             self.textures.push(texture);
             self.textures.len() - 1
@@ -249,6 +288,26 @@ impl<'a> MaterialTable<'a> {
 
     fn notice(&mut self, text: String) {
         self.notices.push(text);
+    }
+}
+
+impl Material {
+    fn textures_mut(&mut self) -> [&mut Option<TextureRef>; 5] {
+        [
+            &mut self.base_color_texture,
+            &mut self.metallic_roughness_texture,
+            &mut self.normal_texture,
+            &mut self.occlusion_texture,
+            &mut self.emissive_texture,
+        ]
+    }
+}
+
+impl TextureRef {
+    /// Reads the same texels of coordinates that these rows lead to its own.
+    fn after(self, [u, v]: [Vec3; 2]) -> Self {
+        let through = |row: Vec3| u * row.x + v * row.y + Vec3::Z * row.z;
+        Self { texture: self.texture, u_row: through(self.u_row), v_row: through(self.v_row) }
     }
 }
 

@@ -8,8 +8,12 @@ use gltf::json::validation::Checked;
 
 use super::accessor::{Document, Elements};
 use super::error::Problem;
+use super::material::MaterialTable;
+use super::placement::{Motion, Shape};
+use super::skin::{Pose, Skin};
+use super::uv_sets;
 use crate::scene::vectors::unit;
-use crate::scene::{Material, Mesh, tangents};
+use crate::scene::{Mesh, tangents};
 
 /// Triangle corners of all meshes together, before and after strips are taken apart.
 pub(super) const MAX_CORNERS: usize = 200_000_000;
@@ -19,35 +23,39 @@ struct Attributes<'a> {
     positions: Elements<'a>,
     normals: Option<Elements<'a>>,
     tangents: Option<Elements<'a>>,
-    uvs: Option<Elements<'a>>,
+    /// Of each set that the material reads.
+    uvs: Vec<Option<Elements<'a>>>,
     colors: Option<Elements<'a>>,
 }
 
-/// Converts `primitive`, whose material reads texture coordinates `uv_set`. `None` with a notice if there is nothing
-/// to draw. `budget` is what is left of [`MAX_CORNERS`].
+/// Converts `primitive`, whose vertices are moved first: to one mesh, or to several where its material needs that. Nothing
+/// with a notice if there is nothing to draw. `budget` is what is left of [`MAX_CORNERS`].
 pub(super) fn convert(
     document: &Document,
     primitive: &Primitive,
     place: &str,
-    (material, index, uv_set): (&Material, usize, u32),
+    (shape, skin): (Shape, Option<&Skin>),
+    materials: &mut MaterialTable,
     budget: &mut usize,
     notices: &mut Vec<String>,
-) -> Result<Option<Mesh>, Problem> {
+) -> Result<Vec<Mesh>, Problem> {
     let mut notice = |text: String| notices.push(format!("{place}: {text}"));
     let mode = match primitive.mode {
         Checked::Valid(mode @ (Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)) => mode,
         Checked::Valid(_) => {
             notice("points and lines are not drawn".to_owned());
-            return Ok(None);
+            return Ok(Vec::new());
         }
         Checked::Invalid => {
             notice("skipped, its mode is unknown".to_owned());
-            return Ok(None);
+            return Ok(Vec::new());
         }
     };
-    let Some(attributes) = Attributes::find(document, primitive, place, uv_set)? else {
+    let material = materials.material(primitive.material, place)?;
+    let sets = materials.uv_sets(material);
+    let Some(attributes) = Attributes::find(document, primitive, place, &sets)? else {
         notice("skipped, it has no positions".to_owned());
-        return Ok(None);
+        return Ok(Vec::new());
     };
     let count = attributes.positions.len();
 
@@ -76,7 +84,22 @@ pub(super) fn convert(
     }
     let mut corners = triangles(mode, order);
 
-    let position = |vertex: u32| Vec3::from(attributes.positions.floats(vertex as usize));
+    let pose = skin.map(|skin| Pose::find(document, primitive, place, skin, count)).transpose()?.flatten();
+    let motion = match pose {
+        Some(pose) => {
+            pose.check(&corners, place)?;
+            Motion::Skinned(pose)
+        }
+        None if skin.is_some() => {
+            notice("skipped, it has no joints as others of its mesh have".to_owned());
+            return Ok(Vec::new());
+        }
+        None => Motion::of(shape),
+    };
+    if matches!(motion, Motion::Skinned(_)) {
+        corners.as_chunks_mut::<3>().0.iter_mut().filter(|t| motion.mirrors(t[0])).for_each(|t| t.swap(1, 2));
+    }
+    let position = |vertex: u32| motion.position(vertex, attributes.positions.floats(vertex as usize).into());
     let before = corners.len();
     retain_triangles(&mut corners, |triangle| triangle.iter().all(|&vertex| position(vertex).is_finite()));
     if corners.len() < before {
@@ -84,7 +107,7 @@ pub(super) fn convert(
     }
     if corners.is_empty() {
         notice("skipped, it has no triangles".to_owned());
-        return Ok(None);
+        return Ok(Vec::new());
     }
 
     // Primitives often share long vertex arrays of which each needs a part.
@@ -100,28 +123,41 @@ pub(super) fn convert(
         name: place.to_owned(),
         positions: used.iter().map(|&vertex| position(vertex)).collect(),
         indices: corners,
-        material: index,
+        material,
         ..Mesh::default()
     };
-    let repaired = attributes.fill(&mut mesh, &used);
+    let (uvs, repaired) = attributes.fill(&mut mesh, &used, &motion);
     if repaired > 0 {
         notice(format!("{repaired} vertices repaired, they had no usable normal, colour or texture coordinate"));
     }
-
-    match (&attributes.normals, &attributes.tangents, &material.normal_texture) {
-        (Some(_), Some(given), _) => {
-            let given = used.iter().map(|&vertex| Vec4::from(given.floats(vertex as usize)));
-            mesh.tangents = given.zip(&mesh.normals).map(|(t, &n)| tangents::orthogonal(t, n)).collect();
-        }
-        (_, _, Some(map)) => tangents::generate(&mut mesh, map),
-        _ => tangents::arbitrary(&mut mesh),
+    let given = attributes.normals.as_ref().and(attributes.tangents.as_ref());
+    if let Some(given) = given {
+        let given = used.iter().map(|&vertex| {
+            let own = Vec4::from(given.floats(vertex as usize));
+            let sign = if motion.mirrors(vertex) { -own.w } else { own.w };
+            motion.tangent(vertex, own.truncate()).extend(sign)
+        });
+        mesh.tangents = given.zip(&mesh.normals).map(|(t, &n)| tangents::orthogonal(t, n)).collect();
     }
-    Ok(Some(mesh))
+
+    let mut meshes = uv_sets::merge(mesh, &sets, uvs, materials, notices);
+    for mesh in meshes.iter_mut().filter(|_| given.is_none()) {
+        match materials.materials[mesh.material].normal_texture {
+            Some(map) => tangents::generate(mesh, &map),
+            None => tangents::arbitrary(mesh),
+        }
+    }
+    Ok(meshes)
 }
 
 impl<'a> Attributes<'a> {
     /// `None` if there are no positions.
-    fn find(document: &'a Document, primitive: &Primitive, place: &str, uv_set: u32) -> Result<Option<Self>, Problem> {
+    fn find(
+        document: &'a Document,
+        primitive: &Primitive,
+        place: &str,
+        uv_sets: &[u32],
+    ) -> Result<Option<Self>, Problem> {
         let find = |semantic: Semantic, shapes: &[usize]| {
             let Some(&index) = primitive.attributes.get(&Checked::Valid(semantic)) else { return Ok(None) };
             let elements = elements(document, index, place)?;
@@ -141,20 +177,26 @@ impl<'a> Attributes<'a> {
         Ok(Some(Self {
             normals: find(Semantic::Normals, &[3])?,
             tangents: find(Semantic::Tangents, &[4])?,
-            uvs: find(Semantic::TexCoords(uv_set), &[2])?,
+            uvs: uv_sets.iter().map(|&set| find(Semantic::TexCoords(set), &[2])).collect::<Result<_, _>>()?,
             colors: find(Semantic::Colors(0), &[3, 4])?,
             positions,
         }))
     }
 
-    /// Adds normals, texture coordinates and colours to `mesh`, whose vertices are these. Says how many vertices were
-    /// unusable and had to be repaired.
-    fn fill(&self, mesh: &mut Mesh, used: &[u32]) -> usize {
+    /// Adds normals and colours to `mesh`, whose vertices are these. Returns the texture coordinates of each set, and how
+    /// many vertices were unusable and had to be repaired.
+    fn fill(&self, mesh: &mut Mesh, used: &[u32], motion: &Motion) -> (Vec<Vec<Vec2>>, usize) {
         let mut bad = vec![false; used.len()];
         let vertices = || used.iter().map(|&vertex| vertex as usize).enumerate();
 
         mesh.normals = match &self.normals {
-            Some(normals) => vertices().map(|(_, v)| unit(normals.floats(v).into()).unwrap_or_default()).collect(),
+            Some(normals) => vertices()
+                .map(|(i, v)| {
+                    let own = unit(normals.floats(v).into());
+                    bad[i] = own.is_none();
+                    own.map_or(Vec3::ZERO, |own| motion.normal(used[i], own))
+                })
+                .collect(),
             None => vec![Vec3::ZERO; used.len()],
         };
         for triangle in mesh.indices.chunks_exact(3) {
@@ -167,12 +209,11 @@ impl<'a> Attributes<'a> {
                 let normal = &mut mesh.normals[vertex as usize];
                 if *normal == Vec3::ZERO {
                     *normal = flat;
-                    bad[vertex as usize] = self.normals.is_some();
                 }
             }
         }
 
-        mesh.uvs = match &self.uvs {
+        let mut coordinates = |uvs: &Option<Elements>| match uvs {
             Some(uvs) => vertices()
                 .map(|(i, v)| {
                     let uv = Vec2::from(uvs.floats(v));
@@ -182,6 +223,7 @@ impl<'a> Attributes<'a> {
                 .collect(),
             None => vec![Vec2::ZERO; used.len()],
         };
+        let uvs = self.uvs.iter().map(&mut coordinates).collect();
         mesh.colors = match &self.colors {
             Some(colors) => vertices()
                 .map(|(i, v)| {
@@ -195,12 +237,12 @@ impl<'a> Attributes<'a> {
                 .collect(),
             None => vec![Vec4::ONE; used.len()],
         };
-        bad.into_iter().filter(|&bad| bad).count()
+        (uvs, bad.into_iter().filter(|&bad| bad).count())
     }
 }
 
 /// Renumbers `corners` to the vertices they use, and returns those.
-fn compact(corners: &mut [u32], count: usize) -> Vec<u32> {
+pub(super) fn compact(corners: &mut [u32], count: usize) -> Vec<u32> {
     // New number plus one; zeroed pages that nothing touches cost nothing.
     let mut renumbered = vec![0; count];
     let mut used = Vec::new();

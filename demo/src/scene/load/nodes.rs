@@ -50,6 +50,37 @@ pub(super) fn walk(root: &Root, wanted: Option<usize>, notices: &mut Vec<String>
     Ok(placed)
 }
 
+/// The world matrices of all nodes: as placed in the scene, and of the others as their own trees have them.
+pub(super) fn worlds(root: &Root, placed: &[Placed]) -> Vec<Mat4> {
+    let mut parents = vec![None; root.nodes.len()];
+    for (number, node) in root.nodes.iter().enumerate() {
+        for child in node.children.iter().flatten() {
+            if let Some(parent) = parents.get_mut(child.value()) {
+                *parent = Some(number);
+            }
+        }
+    }
+    let mut worlds = vec![None; root.nodes.len()];
+    for node in placed {
+        worlds[node.number] = Some(node.world);
+    }
+    for number in 0..worlds.len() {
+        let mut path = Vec::new();
+        let mut next = Some(number);
+        // Where what is not drawn goes round in a circle, it is cut open.
+        while let Some(node) = next.filter(|&node| worlds[node].is_none() && path.len() <= parents.len()) {
+            path.push(node);
+            next = parents[node];
+        }
+        let mut world = next.and_then(|node| worlds[node]).unwrap_or(Mat4::IDENTITY);
+        while let Some(node) = path.pop() {
+            world *= local(&root.nodes[node], "", &mut Vec::new());
+            worlds[node] = Some(world);
+        }
+    }
+    worlds.into_iter().map(Option::unwrap_or_default).collect()
+}
+
 fn roots(root: &Root, wanted: Option<usize>) -> Result<Vec<usize>, Problem> {
     let count = root.scenes.len();
     let scene = match (wanted, root.scene) {
@@ -98,7 +129,8 @@ fn rotation(elements: [f32; 4]) -> Quat {
     Vec4::from(elements).try_normalize().map_or(Quat::IDENTITY, Quat::from_vec4)
 }
 
-fn is_sane(matrix: &Mat4) -> bool {
+/// Whether all elements are finite, and small enough to be multiplied.
+pub(super) fn is_sane(matrix: &Mat4) -> bool {
     matrix.to_cols_array().iter().all(|element| element.abs() <= MAX_ELEMENT)
 }
 
