@@ -5,9 +5,11 @@ use crate::harness::{device, has_bindings};
 use deferred_aa::glam::{Vec2, Vec3};
 use deferred_aa::rays::RayTier;
 use deferred_aa::reference::metrics::{Input, Worth};
-use deferred_aa::{DeferredAa, Execution, GBufferTier, Preset, Reconstructed, Settings, Technique, TextureTier};
+use deferred_aa::{
+    DeferredAa, Effect, Execution, GBufferTier, Preset, Reconstructed, Settings, Technique, TextureTier, wgpu,
+};
 use deferred_aa_demo::gpu::Gpu;
-use deferred_aa_demo::host::{Host, Options, descriptor};
+use deferred_aa_demo::host::{Host, HostError, Options, descriptor};
 use deferred_aa_demo::picture::Picture;
 use deferred_aa_demo::scene::{Camera, Lens, LightKind, Scene, builtin, load};
 use std::fmt::Write as _;
@@ -209,6 +211,28 @@ fn no_builtin_scene_goes_untested() {
         builtin::NAMES,
         ["atrium", "fence", "checker", "spheres", "cornell", "shadows", "mirrors", "flat", "empty"]
     );
+}
+
+/// With no more storage buffers a stage than WebGPU promises, which rays exceed.
+#[test]
+fn scenes_without_rays_are_drawn_within_plain_limits() {
+    let adapter = device(TextureTier::Arrays).adapter;
+    let limits = wgpu::Limits { max_storage_buffers_per_shader_stage: 8, ..adapter.limits() };
+    for name in ["checker", "flat"] {
+        let scene = builtin::builtin(name).unwrap();
+        assert!(!deferred_aa_demo::host::traces(&scene, &Settings::default()), "{name}");
+        let gbuffer = deferred_aa_demo::host::stored(&scene);
+        let options = Options { traces: false, gbuffer, ..Options::new(48, 32, 2) };
+        let gpu = Gpu::with(adapter.clone(), wgpu::Features::empty(), limits.clone()).expect("a device");
+        let camera = scene.default_camera();
+        let mut host = Host::new(gpu, scene, options).unwrap_or_else(|e| panic!("{name}: {e}"));
+        for technique in Technique::ALL {
+            shot(&mut host, &camera, Settings { technique, ..Default::default() });
+        }
+        let shadows = Settings { shadows: Effect::On, ..Default::default() };
+        assert!(deferred_aa_demo::host::traces(&host.scene, &shadows));
+        assert!(matches!(host.frame(&camera, shadows), Err(HostError::NoRays)), "{name}");
+    }
 }
 
 // ---- Models made here ----

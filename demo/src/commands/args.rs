@@ -8,7 +8,7 @@ use crate::names::did_you_mean;
 use crate::scene::open::open;
 use crate::scene::{Camera, Scene};
 use deferred_aa::rays::RayTier;
-use deferred_aa::{GBufferTier, Preset, Technique, TextureTier};
+use deferred_aa::{GBufferTier, Preset, Settings, Technique, TextureTier};
 use glam::Vec3;
 use std::path::PathBuf;
 
@@ -100,13 +100,23 @@ pub enum GBufferArg {
 }
 
 impl GBufferArg {
-    /// The tier for a scene on an adapter.
-    pub fn tier(asked: Option<Self>, scene: &Scene, adapter: &wgpu::Adapter) -> Result<GBufferTier, CommandError> {
+    /// The tier for a scene on an adapter, in nodes of these tiers.
+    pub fn tier(
+        asked: Option<Self>,
+        scene: &Scene,
+        adapter: &wgpu::Adapter,
+        textures: TextureTier,
+        rays: Option<RayTier>,
+    ) -> Result<GBufferTier, CommandError> {
         let best = host::gbuffer_tier(scene, adapter);
         match asked {
-            None => Ok(best),
+            None => Ok(host::gbuffer_for(best, scene, adapter, textures, rays)),
             Some(Self::Stored) => Ok(host::stored(scene)),
             Some(Self::Visibility) if matches!(best, GBufferTier::Visibility(_)) => Ok(best),
+            Some(Self::Visibility) if adapter.features().contains(wgpu::Features::PRIMITIVE_INDEX) => {
+                let problem = "the scene is too small or too large for the areas of its triangles: use stored";
+                Err(wrong("--gbuffer", problem.to_owned()))
+            }
             Some(Self::Visibility) => {
                 let name = adapter.get_info().name;
                 Err(wrong("--gbuffer", format!("'{name}' can't tell triangles apart (no PRIMITIVE_INDEX): use stored")))
@@ -128,19 +138,22 @@ pub struct Opened {
     pub gpu: Gpu,
     pub camera: Camera,
     pub gbuffer: GBufferTier,
+    /// Whether the device can trace rays.
+    pub traces: bool,
 }
 
 impl ViewArgs {
-    /// Opens the scene in a host, with the camera. Notices go to stderr.
-    pub fn open(&self) -> Result<(Host, Camera), CommandError> {
-        self.open_within(None)
+    /// Opens the scene in a host for frames with settings that trace rays as these do, with the camera. Notices go to
+    /// stderr.
+    pub fn open(&self, settings: &Settings) -> Result<(Host, Camera), CommandError> {
+        self.open_within(None, settings)
     }
 
     /// [`open`](Self::open) for frames in bands, so that the node holds at most so many bytes.
-    pub fn open_within(&self, memory: Option<u64>) -> Result<(Host, Camera), CommandError> {
+    pub fn open_within(&self, memory: Option<u64>, settings: &Settings) -> Result<(Host, Camera), CommandError> {
         let m = check_m(self.m)?;
         let args = &self.scene;
-        let Opened { scene, gpu, camera, gbuffer } = args.open(m)?;
+        let Opened { scene, gpu, camera, gbuffer, traces } = args.open(m, Some(settings))?;
         let (width, height) = args.size;
         let textures = args.textures.tier();
         let options = Options {
@@ -151,6 +164,7 @@ impl ViewArgs {
             stall: args.stall,
             anisotropy: args.anisotropy,
             rays: args.rays.tier(),
+            traces,
             gbuffer,
         };
         let host = Host::within(gpu, scene, options, memory)?;
@@ -160,8 +174,9 @@ impl ViewArgs {
 }
 
 impl SceneArgs {
-    /// Opens the scene, a device for nodes of this m, and the camera, and makes the folder for results.
-    pub fn open(&self, m: u32) -> Result<Opened, CommandError> {
+    /// Opens the scene, a device for nodes of this m, and the camera, and makes the folder for results. The device can
+    /// trace rays if settings need them, or in any case without settings.
+    pub fn open(&self, m: u32, settings: Option<&Settings>) -> Result<Opened, CommandError> {
         if !(1..=16).contains(&self.anisotropy) {
             return Err(wrong("--anisotropy", format!("{} is not in 1 to 16", self.anisotropy)));
         }
@@ -172,11 +187,13 @@ impl SceneArgs {
         std::fs::create_dir_all(&self.out)
             .map_err(|e| wrong("--out", format!("{}: {e}; name a folder that can be made", self.out.display())))?;
         let adapter = gpu::choose(self.adapter.as_deref())?;
-        let gbuffer = GBufferArg::tier(self.gbuffer, &scene, &adapter)?;
-        let gpu = Gpu::new(adapter, &host::descriptor(m, self.textures.tier(), self.rays.tier(), gbuffer))?;
+        let traces = settings.is_none_or(|settings| host::traces(&scene, settings));
+        let (textures, rays) = (self.textures.tier(), traces.then(|| self.rays.tier()));
+        let gbuffer = GBufferArg::tier(self.gbuffer, &scene, &adapter, textures, rays)?;
+        let gpu = Gpu::new(adapter, &host::descriptor(m, textures, rays, gbuffer))?;
         let own = scene.default_camera();
         let camera = self.camera.map_or(own, |c| look_at(c.eye, c.target, c.fov_y, own.near));
-        Ok(Opened { scene, gpu, camera, gbuffer })
+        Ok(Opened { scene, gpu, camera, gbuffer, traces })
     }
 }
 

@@ -49,7 +49,7 @@ struct Entry {
 impl Demo {
     pub fn run(self) -> Result<(), CommandError> {
         let base = set::apply(self.preset.settings(), &self.settings)?;
-        let (mut host, camera) = self.view.open()?;
+        let (mut host, camera) = self.view.open(&base)?;
         let out = &self.view.scene.out;
         let mut entries = Vec::new();
         for (technique, execution, title) in ENTRIES {

@@ -46,7 +46,7 @@ impl Render {
                 format!("'{:?}' has nothing to scale: use windowed or surfaces", settings.technique).to_lowercase();
             return Err(CommandError::Argument { argument: "--goal".to_owned(), problem });
         }
-        let (mut host, camera) = self.view.open_within(self.memory)?;
+        let (mut host, camera) = self.view.open_within(self.memory, &settings)?;
         let out = &self.view.scene.out;
         if let Some(wanted) = settings.goal {
             let (frames, progress) = goal::seek(|| host.frame(&camera, settings))?;

@@ -78,7 +78,7 @@ impl Report {
             let problem = "nothing to measure: at m = 1 there is single alone; name other techniques or a larger m";
             return Err(wrong("--m", problem.to_owned()));
         }
-        let Opened { scene, gpu, camera, gbuffer } = self.view.open(largest)?;
+        let Opened { scene, gpu, camera, gbuffer, .. } = self.view.open(largest, None)?;
         request.gbuffer = gbuffer;
         request.focus = focus(&self.focus, &scene)?;
         let folder = Folder::open(&self.view.out, run::bytes(&request, &plan), request.resume)?;

@@ -9,7 +9,7 @@ use crate::names::did_you_mean;
 use crate::tune::subject::{Figures, Subject, SubjectError, full};
 use crate::tune::tunable::Tunable;
 use crate::tune::{Point, Task, Tuner};
-use deferred_aa::{MultiResolution, Selective, Surfaces, Windowed};
+use deferred_aa::{MultiResolution, Selective, Settings, Surfaces, Windowed};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -206,7 +206,7 @@ impl Tune {
         let specs = if self.scenes.is_empty() { builtin } else { self.scenes.clone() };
         let views: Vec<_> = specs.iter().map(|s| self.view(s)).collect::<Result<_, _>>()?;
         // All scenes are opened before the first frame is rendered.
-        let opened: Vec<_> = views.iter().map(ViewArgs::open).collect::<Result<_, _>>()?;
+        let opened: Vec<_> = views.iter().map(|view| view.open(&Settings::default())).collect::<Result<_, _>>()?;
         let subject = |(spec, (host, camera))| Ok(Subject::new(spec, host, camera)?);
         specs.into_iter().zip(opened).map(subject).collect()
     }

@@ -92,6 +92,7 @@ impl View {
             stall: kept.stall,
             anisotropy: 16,
             rays: self.rays.tier(),
+            traces: true,
             gbuffer: match self.gbuffer {
                 Some(GBufferArg::Stored) => GBufferTier::default(),
                 _ => GBufferTier::Visibility(Ids::Wide),

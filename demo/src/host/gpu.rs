@@ -31,6 +31,16 @@ pub enum GpuError {
         /// What it lacks.
         missing: Vec<String>,
     },
+    /// The adapter can run the node, but not with the rays that are wanted of it.
+    #[error("the scene wants rays for its shadows, reflections or refractions, and adapter '{adapter}' lacks: {}; \
+        leave them out (--set shadows=off --set reflections=off --set refraction=off) or choose another with --adapter",
+        .missing.join(", "))]
+    NoRays {
+        /// Its name.
+        adapter: String,
+        /// What it lacks.
+        missing: Vec<String>,
+    },
     /// The driver refused.
     #[error("adapter '{adapter}' gave no device: {message}; choose another with --adapter")]
     Device {
@@ -77,7 +87,13 @@ impl Gpu {
     pub fn new(adapter: wgpu::Adapter, descriptor: &Descriptor<'_>) -> Result<Self, GpuError> {
         let requirements = DeferredAa::requirements(&adapter, descriptor);
         if !requirements.missing.is_empty() {
-            return Err(GpuError::Missing { adapter: adapter.get_info().name, missing: requirements.missing });
+            let (name, missing) = (adapter.get_info().name, requirements.missing);
+            let without = DeferredAa::requirements(&adapter, &Descriptor { rays: None, ..*descriptor });
+            return Err(if descriptor.rays.is_some() && without.missing.is_empty() {
+                GpuError::NoRays { adapter: name, missing }
+            } else {
+                GpuError::Missing { adapter: name, missing }
+            });
         }
         Self::with(adapter.clone(), requirements.features, adapter.limits())
     }

@@ -1,6 +1,7 @@
 //! The demo as a host: a scene, a node and a target, frame by frame.
 
 pub mod blend;
+mod enclosed;
 pub mod gpu;
 #[cfg(test)]
 mod layouts;
@@ -51,6 +52,8 @@ pub struct Options {
     pub anisotropy: u16,
     /// The tier that traces rays.
     pub rays: RayTier,
+    /// Whether frames may trace any. Without, less is asked of the adapter.
+    pub traces: bool,
     /// How the G-buffer keeps its samples.
     pub gbuffer: GBufferTier,
 }
@@ -116,6 +119,11 @@ pub enum HostError {
     /// The frame was refused.
     #[error(transparent)]
     Record(#[from] RecordError),
+    /// The frame would trace rays.
+    #[error(
+        "the settings want rays, for which the adapter lacks limits; switch shadows, reflections and refraction off"
+    )]
+    NoRays,
     /// Rays can't be traced through the scene.
     #[error(transparent)]
     Rays(#[from] RayError),
@@ -177,16 +185,48 @@ pub fn gbuffer_tier(scene: &Scene, adapter: &wgpu::Adapter) -> GBufferTier {
     GBufferTier::Visibility(Ids::for_scene(triangles as u32, scene.instances.len() as u32))
 }
 
-/// The G-buffer of a wanted kind that is best for a scene on an adapter.
-pub fn gbuffer_for(wanted: GBufferTier, scene: &Scene, adapter: &wgpu::Adapter) -> GBufferTier {
-    match wanted {
+/// The G-buffer of a wanted kind that is best for a scene on an adapter, in nodes of these tiers: a stored one where a
+/// visibility buffer needs more than the adapter has.
+pub fn gbuffer_for(
+    wanted: GBufferTier,
+    scene: &Scene,
+    adapter: &wgpu::Adapter,
+    textures: TextureTier,
+    rays: Option<RayTier>,
+) -> GBufferTier {
+    let best = match wanted {
         GBufferTier::Visibility(_) => gbuffer_tier(scene, adapter),
-        GBufferTier::Stored(_) => stored(scene),
+        GBufferTier::Stored(_) => return stored(scene),
+    };
+    let missing = DeferredAa::requirements(adapter, &descriptor(1, textures, rays, best)).missing;
+    if missing.is_empty() { best } else { stored(scene) }
+}
+
+/// The lights that cast shadows in a frame: those of the scene that do, and the sun if it does or is asked to.
+fn casting(scene: &Scene, shadows: Effect) -> Vec<CastingLight> {
+    match shadows {
+        Effect::Off => Vec::new(),
+        Effect::Auto => rays::casting_lights(scene, scene.sun.is_some_and(|s| s.casts)),
+        Effect::On => rays::casting_lights(scene, true),
     }
 }
 
+/// Whether frames of a scene trace rays with these settings.
+pub fn traces(scene: &Scene, settings: &Settings) -> bool {
+    let effects = [settings.shadows, settings.reflections, settings.refraction];
+    let reflections = [settings.reflections, settings.refraction];
+    effects.contains(&Effect::On)
+        || !casting(scene, settings.shadows).is_empty()
+        || (reflections.contains(&Effect::Auto) && !rays::reflective(scene).is_empty())
+}
+
 /// The descriptor of the demo's nodes.
-pub fn descriptor(m: u32, textures: TextureTier, rays: RayTier, gbuffer: GBufferTier) -> Descriptor<'static> {
+pub fn descriptor(
+    m: u32,
+    textures: TextureTier,
+    rays: impl Into<Option<RayTier>>,
+    gbuffer: GBufferTier,
+) -> Descriptor<'static> {
     let source = if gbuffer == UNTEXTURED { UNTEXTURED_WGSL } else { SHADING_WGSL };
     Descriptor {
         m,
@@ -195,7 +235,7 @@ pub fn descriptor(m: u32, textures: TextureTier, rays: RayTier, gbuffer: GBuffer
         shading: Shading { source, file: "demo/src/host/shading.wgsl" },
         textures,
         texture_capacity: TEXTURE_CAPACITY,
-        rays: Some(rays),
+        rays: rays.into(),
     }
 }
 
@@ -237,12 +277,17 @@ impl Options {
     /// stored G-buffer.
     pub fn new(width: u32, height: u32, m: u32) -> Self {
         let (textures, rays, gbuffer) = (TextureTier::Arrays, RayTier::Software, GBufferTier::default());
-        Self { width, height, m, textures, stall: 1, anisotropy: 16, rays, gbuffer }
+        Self { width, height, m, textures, stall: 1, anisotropy: 16, rays, traces: true, gbuffer }
+    }
+
+    /// The tier of the rays that frames may trace.
+    pub fn traced(&self) -> Option<RayTier> {
+        self.traces.then_some(self.rays)
     }
 
     /// The descriptor of a node with these options.
     pub fn descriptor(&self) -> Descriptor<'static> {
-        descriptor(self.m, self.textures, self.rays, self.gbuffer)
+        descriptor(self.m, self.textures, self.traced(), self.gbuffer)
     }
 }
 
@@ -366,7 +411,7 @@ impl Host {
     /// The bands of a frame with these settings; a single `None` if it is rendered as a whole.
     pub fn bands(&mut self, settings: &Settings) -> Result<Vec<Option<Band>>, HostError> {
         let Some(limit) = self.memory else { return Ok(vec![None]) };
-        let shadows = self.casting(settings.shadows);
+        let shadows = casting(&self.scene, settings.shadows);
         let depth = self.depth(settings);
         let needs = Needs { shadows: &shadows, reflective: &self.reflective, depth, ..Default::default() };
         let size = (self.options.width, self.options.height);
@@ -441,11 +486,11 @@ impl Host {
         self.shown = Some(camera);
         self.lighting_values.camera = camera.world_from_view.w_axis.truncate().to_array();
         self.write_lighting();
-        let shadows = self.casting(settings.shadows);
-        let reflections = [settings.reflections, settings.refraction];
-        let reflective =
-            reflections.contains(&Effect::On) || (!self.reflective.is_empty() && reflections.contains(&Effect::Auto));
-        let traces = settings.shadows == Effect::On || !shadows.is_empty() || reflective;
+        let shadows = casting(&self.scene, settings.shadows);
+        let traces = traces(&self.scene, &settings);
+        if traces && !self.options.traces {
+            return Err(HostError::NoRays);
+        }
         let visible = matches!(self.options.gbuffer, GBufferTier::Visibility(_));
         if traces || visible {
             let rays = match &mut self.rays {
@@ -453,7 +498,11 @@ impl Host {
                 none => {
                     let (device, queue) = (&self.gpu.device, &self.gpu.queue);
                     let tier = traces.then_some(self.options.rays);
-                    none.insert(Rays::new(device, queue, tier, visible, &self.scene)?)
+                    let mut rays = Rays::new(device, queue, tier, visible, &self.scene)?;
+                    if !shadows.is_empty() {
+                        rays.notices.extend(enclosed::notices(&self.scene));
+                    }
+                    none.insert(rays)
                 }
             };
             rays.update(&self.gpu.device, &self.gpu.queue, &mut encoder, camera.world_from_view.w_axis.truncate())?;
@@ -494,7 +543,7 @@ impl Host {
 
     /// Whether the pipelines of a frame with these settings are compiled.
     pub fn is_ready(&self, settings: Settings) -> bool {
-        let shadows = self.casting(settings.shadows);
+        let shadows = casting(&self.scene, settings.shadows);
         self.aa.is_ready(&settings, &self.needs(&settings, &shadows))
     }
 
@@ -512,17 +561,8 @@ impl Host {
 
     /// The passes of a frame with these settings.
     pub fn passes(&self, settings: &Settings) -> Vec<Pass> {
-        let shadows = self.casting(settings.shadows);
+        let shadows = casting(&self.scene, settings.shadows);
         DeferredAa::passes(settings, &self.needs(settings, &shadows)).collect()
-    }
-
-    /// The lights that cast shadows in a frame: those of the scene that do, and the sun if it does or is asked to.
-    fn casting(&self, shadows: Effect) -> Vec<CastingLight> {
-        match shadows {
-            Effect::Off => Vec::new(),
-            Effect::Auto => rays::casting_lights(&self.scene, self.scene.sun.is_some_and(|s| s.casts)),
-            Effect::On => rays::casting_lights(&self.scene, true),
-        }
     }
 
     /// Changes the output size. The picture is lost.

@@ -163,8 +163,8 @@ impl Session {
     /// A host of a variant of the scene, at another size.
     pub fn host_of(&self, scene: Scene, m: u32, (width, height): (u32, u32)) -> Result<Host, ReportError> {
         let Request { textures, stall, anisotropy, rays, gbuffer, .. } = self.request;
-        let gbuffer = host::gbuffer_for(gbuffer, &scene, &self.gpu.adapter);
-        let options = Options { width, height, m, textures, stall, anisotropy, rays, gbuffer };
+        let gbuffer = host::gbuffer_for(gbuffer, &scene, &self.gpu.adapter, textures, Some(rays));
+        let options = Options { width, height, m, textures, stall, anisotropy, rays, traces: true, gbuffer };
         let host = Host::new(self.gpu.clone(), scene, options)?;
         if !self.noted.swap(true, Ordering::Relaxed) {
             host.scene.notices.iter().chain(&host.uploaded.notices).for_each(|notice| self.note(notice));

@@ -315,7 +315,7 @@ impl<'a> Assembly<'a> {
     }
 
     fn finish(mut self, path: &Path, folder: &Path) -> Result<Scene, Problem> {
-        let images = images::decode_all(self.document, folder, &self.materials.images)?;
+        let images = images::decode_all(self.document, folder, &self.materials.images, &mut self.materials.notices)?;
         self.notices.append(&mut self.materials.notices);
         if let Some((first, count)) = self.collapsed {
             let others = if count > 1 { format!(" and {} more", count - 1) } else { String::new() };

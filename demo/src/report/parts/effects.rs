@@ -127,6 +127,7 @@ fn tiers(session: &Session, base: Base) -> Result<Vec<TierRow>, ReportError> {
             stall: 1,
             anisotropy: request.anisotropy,
             rays: tier,
+            traces: true,
             gbuffer: request.gbuffer,
         };
         let mut host = Host::new(gpu, session.scene.clone(), options)?;

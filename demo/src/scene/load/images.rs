@@ -7,7 +7,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering::Relaxed};
 use std::thread;
 
-use image::{ImageReader, Limits};
+use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader, ImageResult, Limits};
 
 use super::accessor::Document;
 use super::error::Problem;
@@ -19,8 +19,13 @@ const MAX_BYTES: u64 = 1 << 30;
 /// Of all pictures together.
 const MAX_TOTAL_BYTES: u64 = 4 << 30;
 
-/// Reads and decodes the file's images with these numbers, in this order.
-pub(super) fn decode_all(document: &Document, folder: &Path, wanted: &[usize]) -> Result<Vec<Image>, Problem> {
+/// Reads and decodes the file's images with these numbers, in this order. Notes those of which a part is missing.
+pub(super) fn decode_all(
+    document: &Document,
+    folder: &Path,
+    wanted: &[usize],
+    notices: &mut Vec<String>,
+) -> Result<Vec<Image>, Problem> {
     let next = AtomicUsize::new(0);
     let total = AtomicU64::new(0);
     let work = || {
@@ -36,16 +41,26 @@ pub(super) fn decode_all(document: &Document, folder: &Path, wanted: &[usize]) -
         // A decoder that panics costs its thread's pictures, which are then found missing.
         workers.into_iter().flat_map(|worker| worker.join().unwrap_or_default()).collect()
     });
-    wanted
-        .iter()
-        .map(|number| match decoded.iter().position(|(done, _)| done == number) {
-            Some(at) => decoded.swap_remove(at).1,
-            None => Err(Problem::Image { place: format!("image {number}"), reason: "its decoder gave up".to_owned() }),
-        })
-        .collect()
+    let mut images = Vec::with_capacity(wanted.len());
+    for number in wanted {
+        let Some(at) = decoded.iter().position(|(done, _)| done == number) else {
+            let (place, reason) = (format!("image {number}"), "its decoder gave up".to_owned());
+            return Err(Problem::Image { place, reason });
+        };
+        let (image, notice) = decoded.swap_remove(at).1?;
+        images.push(image);
+        notices.extend(notice);
+    }
+    Ok(images)
 }
 
-fn decode(document: &Document, folder: &Path, number: usize, total: &AtomicU64) -> Result<Image, Problem> {
+/// The picture, and a notice if its file is cut short.
+fn decode(
+    document: &Document,
+    folder: &Path,
+    number: usize,
+    total: &AtomicU64,
+) -> Result<(Image, Option<String>), Problem> {
     let broken = |place: &str, reason: String| Problem::Image { place: place.to_owned(), reason };
     let Some(image) = document.root.images.get(number) else {
         return Err(broken(&format!("image {number}"), "it does not exist".to_owned()));
@@ -61,15 +76,23 @@ fn decode(document: &Document, folder: &Path, number: usize, total: &AtomicU64) 
     let mut reader = ImageReader::new(Cursor::new(&encoded))
         .with_guessed_format()
         .map_err(|error| broken(&place, error.to_string()))?;
-    if reader.format().is_none() {
-        return Err(broken(&place, "it is in no known picture format".to_owned()));
-    }
+    let cut = match reader.format() {
+        Some(ImageFormat::Jpeg) => is_jpeg_cut(&encoded),
+        Some(ImageFormat::Png) => is_png_cut(&encoded),
+        Some(_) => false,
+        None => return Err(broken(&place, "it is in no known picture format".to_owned())),
+    };
     let mut limits = Limits::default();
     limits.max_image_width = Some(MAX_SIDE);
     limits.max_image_height = Some(MAX_SIDE);
     limits.max_alloc = Some(MAX_BYTES);
     reader.limits(limits);
-    let rgba = reader.decode().map_err(|error| broken(&place, error.to_string()))?.into_rgba8();
+    let decoded = if cut {
+        reader.into_decoder().and_then(|decoder| DynamicImage::from_decoder(Lenient(decoder)))
+    } else {
+        reader.decode()
+    };
+    let rgba = decoded.map_err(|error| broken(&place, error.to_string()))?.into_rgba8();
 
     let (width, height) = rgba.dimensions();
     if width == 0 || height == 0 {
@@ -82,5 +105,94 @@ fn decode(document: &Document, folder: &Path, number: usize, total: &AtomicU64) 
             limit: MAX_TOTAL_BYTES as usize,
         });
     }
-    Ok(Image { name: name.map_or_else(|| place.clone(), str::to_owned), width, height, rgba: bytes.into() })
+    let notice = cut.then(|| format!("{place}: cut short, its file ends early; what there is of it is shown"));
+    let name = name.map_or_else(|| place.clone(), str::to_owned);
+    Ok((Image { name, width, height, rgba: bytes.into() }, notice))
+}
+
+/// A decoder whose picture is what it read before an error.
+struct Lenient<D>(D);
+
+impl<D: ImageDecoder> ImageDecoder for Lenient<D> {
+    fn dimensions(&self) -> (u32, u32) {
+        self.0.dimensions()
+    }
+
+    fn color_type(&self) -> ColorType {
+        self.0.color_type()
+    }
+
+    fn read_image(self, pixels: &mut [u8]) -> ImageResult<()> {
+        let _ = self.0.read_image(pixels);
+        Ok(())
+    }
+
+    fn read_image_boxed(self: Box<Self>, pixels: &mut [u8]) -> ImageResult<()> {
+        (*self).read_image(pixels)
+    }
+}
+
+/// Whether a JPEG's end marker is missing. Decoders fill what is lost with grey, and say nothing.
+fn is_jpeg_cut(file: &[u8]) -> bool {
+    const SCAN: u8 = 0xda;
+    let mut at = 2;
+    // Segments up to the first scan. In scans, markers stand for themselves; before, thumbnails have some of their own.
+    while let Some(&[0xff, marker, high, low]) = file.get(at..at + 4).and_then(|head| head.as_array()) {
+        if marker == SCAN {
+            return !file[at..].windows(2).any(|pair| pair == [0xff, 0xd9]);
+        }
+        // Any number of bytes may fill the space between segments.
+        at += if marker == 0xff { 1 } else { 2 + usize::from(u16::from_be_bytes([high, low])) };
+    }
+    true
+}
+
+/// Whether a PNG's chunks do not reach its last one.
+fn is_png_cut(file: &[u8]) -> bool {
+    let mut rest = file.get(8..).unwrap_or_default();
+    while let Some((length, after)) = rest.split_first_chunk::<4>() {
+        let Some(next) = (u32::from_be_bytes(*length) as usize).checked_add(8).and_then(|size| after.get(size..))
+        else {
+            break;
+        };
+        if after.starts_with(b"IEND") {
+            return false;
+        }
+        rest = next;
+    }
+    true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn encoded(format: ImageFormat) -> Vec<u8> {
+        let mut file = Cursor::new(Vec::new());
+        let noise = |x: u32, y: u32| image::Rgb([(x * 37 + y * 91) as u8, (x * y) as u8, (x * 11 ^ y * 5) as u8]);
+        image::RgbImage::from_fn(48, 48, noise).write_to(&mut file, format).unwrap();
+        file.into_inner()
+    }
+
+    #[test]
+    fn a_file_is_cut_unless_its_end_is_there() {
+        for (format, is_cut) in [(ImageFormat::Jpeg, is_jpeg_cut as fn(&[u8]) -> bool), (ImageFormat::Png, is_png_cut)]
+        {
+            let file = encoded(format);
+            assert!(!is_cut(&file) && !is_cut(&[&file[..], b"trailing"].concat()), "{format:?}");
+            for length in 0..file.len() {
+                // The checksum of the end marker holds nothing.
+                assert!(is_cut(&file[..length]) || length + 4 > file.len(), "{format:?} of {length} bytes");
+            }
+        }
+    }
+
+    #[test]
+    fn the_end_of_a_thumbnail_is_not_that_of_the_picture() {
+        let mut file = encoded(ImageFormat::Jpeg);
+        let thumbnail = [&[0xff, 0xe1, 0, 8][..], b"Ex", &[0xff, 0xd9, 0xff, 0xd9]].concat();
+        file.splice(2..2, thumbnail);
+        assert!(!is_jpeg_cut(&file));
+        assert!(is_jpeg_cut(&file[..file.len() / 2]));
+    }
 }

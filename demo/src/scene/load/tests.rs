@@ -929,6 +929,34 @@ fn pictures_matter_only_where_they_are_used() {
 // ---- The file ----
 
 #[test]
+fn pictures_that_are_cut_short_are_shown_and_named() {
+    let picture = image::RgbImage::from_fn(32, 64, |x, y| image::Rgb([255, (x * 37 + y * 91) as u8, (x * y) as u8]));
+    for format in [image::ImageFormat::Jpeg, image::ImageFormat::Png] {
+        let mut file = std::io::Cursor::new(Vec::new());
+        picture.write_to(&mut file, format).unwrap();
+        let file = file.into_inner();
+        let load = |length: usize| {
+            let mut model = Model::triangle();
+            let view = model.bytes(&file[..length]);
+            model.0["images"] = json!([{ "bufferView": view, "name": "bark" }]);
+            model.0["textures"] = json!([{ "source": 0 }]);
+            model.material(json!({ "emissiveTexture": { "index": 0 } }));
+            model.scene()
+        };
+        let whole = load(file.len());
+        assert!(whole.notices.is_empty(), "{:?}", whole.notices);
+        let part = load(file.len() * 3 / 4);
+        assert_eq!(part.notices.len(), 1);
+        assert_mentions(&part.notices[0], &["image 0 'bark'", "cut short"]);
+        let rows = |scene: &Scene, rows: std::ops::Range<usize>| {
+            scene.images[0].rgba[rows.start * 128..rows.end * 128].to_vec()
+        };
+        assert_eq!(rows(&part, 0..16), rows(&whole, 0..16), "{format:?}: what there is of it");
+        assert_ne!(rows(&part, 56..64), rows(&whole, 56..64), "{format:?}");
+    }
+}
+
+#[test]
 fn required_extensions() {
     let mut model = Model::triangle();
     model.0["extensionsUsed"] = json!(["KHR_materials_clearcoat", "KHR_texture_transform"]);

@@ -33,7 +33,12 @@ impl Stage {
             Some(host) => host.gpu.adapter.clone(),
             None => gpu::choose(self.adapter.as_deref()).map_err(|e| e.to_string())?,
         };
-        let gbuffer = host::gbuffer_for(options.gbuffer, &scene, &adapter);
+        // Any frame may come to want rays, where the adapter has them.
+        let (stored, textures) = (host::stored(&scene), options.textures);
+        let wanted = &host::descriptor(options.m, textures, options.rays, stored);
+        let traces = DeferredAa::requirements(&adapter, wanted).missing.is_empty();
+        let options = Options { traces, ..options };
+        let gbuffer = host::gbuffer_for(options.gbuffer, &scene, &adapter, textures, options.traced());
         let options = Options { gbuffer, ..options };
         let gpu = Gpu::new(adapter, &options.descriptor()).map_err(|e| e.to_string())?;
         Host::new(gpu, scene, options).map_err(|e| e.to_string())
@@ -88,8 +93,8 @@ fn about(gpu: &Gpu) -> Adapter {
     };
     Adapter {
         name: gpu.adapter.get_info().name,
-        no_bindings: lacks(TextureTier::Bindings, RayTier::Software),
-        no_ray_query: lacks(TextureTier::Arrays, RayTier::Query),
+        no_bindings: lacks(TextureTier::Bindings, None),
+        no_ray_query: lacks(TextureTier::Arrays, Some(RayTier::Query)),
         no_triangles: (!gpu.adapter.features().contains(wgpu::Features::PRIMITIVE_INDEX))
             .then(|| "feature PRIMITIVE_INDEX".to_owned()),
         has_timestamps: gpu.device.features().contains(wgpu::Features::TIMESTAMP_QUERY),
