@@ -107,7 +107,8 @@ pub fn frame_camera(scene: &Scene) -> Camera {
         up: Vec3::Y,
         lens: Lens::Perspective { fov_y: FOV_Y },
         // Depth is as precise however near this is, and someone may look at a room in a large landscape.
-        near: radius * 1e-5,
+        // The squares of shorter vectors to it would be lost.
+        near: (radius * 1e-5).max(1e-14),
     }
 }
 

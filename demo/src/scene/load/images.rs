@@ -19,6 +19,9 @@ const MAX_BYTES: u64 = 1 << 30;
 /// Of all pictures together.
 const MAX_TOTAL_BYTES: u64 = 4 << 30;
 
+const JPEG_SCAN: [u8; 2] = [0xff, 0xda];
+const JPEG_END: [u8; 2] = [0xff, 0xd9];
+
 /// Reads and decodes the file's images with these numbers, in this order. Notes those of which a part is missing.
 pub(super) fn decode_all(
     document: &Document,
@@ -67,21 +70,23 @@ fn decode(
     };
     let name = image.name.as_deref().or(image.uri.as_deref().filter(|uri| !uri.starts_with("data:")));
     let place = label("image", number, name);
-    let encoded: Cow<[u8]> = match (&image.uri, image.buffer_view) {
+    let mut encoded: Cow<[u8]> = match (&image.uri, image.buffer_view) {
         (Some(uri), _) => Cow::Owned(super::uri::read(uri, folder, &place)?),
         (None, Some(view)) => Cow::Borrowed(document.view(view).map_err(|reason| broken(&place, reason))?.0),
         (None, None) => return Err(broken(&place, "it has neither a uri nor a buffer view".to_owned())),
     };
 
-    let mut reader = ImageReader::new(Cursor::new(&encoded))
-        .with_guessed_format()
-        .map_err(|error| broken(&place, error.to_string()))?;
-    let cut = match reader.format() {
-        Some(ImageFormat::Jpeg) => is_jpeg_cut(&encoded),
-        Some(ImageFormat::Png) => is_png_cut(&encoded),
-        Some(_) => false,
-        None => return Err(broken(&place, "it is in no known picture format".to_owned())),
+    let format =
+        image::guess_format(&encoded).map_err(|_| broken(&place, "it is in no known picture format".to_owned()))?;
+    let cut = match format {
+        ImageFormat::Jpeg => is_jpeg_cut(&encoded),
+        ImageFormat::Png => is_png_cut(&encoded),
+        _ => false,
     };
+    if cut && format == ImageFormat::Jpeg {
+        end_jpeg(encoded.to_mut());
+    }
+    let mut reader = ImageReader::with_format(Cursor::new(&encoded), format);
     let mut limits = Limits::default();
     limits.max_image_width = Some(MAX_SIDE);
     limits.max_image_height = Some(MAX_SIDE);
@@ -134,17 +139,26 @@ impl<D: ImageDecoder> ImageDecoder for Lenient<D> {
 
 /// Whether a JPEG's end marker is missing. Decoders fill what is lost with grey, and say nothing.
 fn is_jpeg_cut(file: &[u8]) -> bool {
-    const SCAN: u8 = 0xda;
     let mut at = 2;
     // Segments up to the first scan. In scans, markers stand for themselves; before, thumbnails have some of their own.
     while let Some(&[0xff, marker, high, low]) = file.get(at..at + 4).and_then(|head| head.as_array()) {
-        if marker == SCAN {
-            return !file[at..].windows(2).any(|pair| pair == [0xff, 0xd9]);
+        if [0xff, marker] == JPEG_SCAN {
+            return !file[at..].windows(2).any(|pair| pair == JPEG_END);
         }
         // Any number of bytes may fill the space between segments.
         at += if marker == 0xff { 1 } else { 2 + usize::from(u16::from_be_bytes([high, low])) };
     }
     true
+}
+
+/// Ends a cut JPEG after its last whole scan if it has several: decoders show nothing of a progressive picture with a
+/// scan that breaks off.
+fn end_jpeg(file: &mut Vec<u8>) {
+    let mut scans = (0..file.len()).filter(|&at| file[at..].starts_with(&JPEG_SCAN));
+    if let (Some(_), Some(last)) = (scans.next(), scans.next_back()) {
+        file.truncate(last);
+        file.extend(JPEG_END);
+    }
 }
 
 /// Whether a PNG's chunks do not reach its last one.
@@ -169,7 +183,7 @@ mod tests {
 
     fn encoded(format: ImageFormat) -> Vec<u8> {
         let mut file = Cursor::new(Vec::new());
-        let noise = |x: u32, y: u32| image::Rgb([(x * 37 + y * 91) as u8, (x * y) as u8, (x * 11 ^ y * 5) as u8]);
+        let noise = |x: u32, y: u32| image::Rgb([(x * 37 + y * 91) as u8, (x * y) as u8, ((x * 11) ^ (y * 5)) as u8]);
         image::RgbImage::from_fn(48, 48, noise).write_to(&mut file, format).unwrap();
         file.into_inner()
     }
@@ -185,6 +199,16 @@ mod tests {
                 assert!(is_cut(&file[..length]) || length + 4 > file.len(), "{format:?} of {length} bytes");
             }
         }
+    }
+
+    #[test]
+    fn a_progressive_picture_ends_with_its_last_whole_scan() {
+        let mut several = [&[0xff, 0xd8][..], &JPEG_SCAN, b"one", &JPEG_SCAN, b"half"].concat();
+        end_jpeg(&mut several);
+        assert_eq!(several, [&[0xff, 0xd8][..], &JPEG_SCAN, b"one", &JPEG_END].concat());
+        let mut one = [&[0xff, 0xd8][..], &JPEG_SCAN, b"half"].concat();
+        end_jpeg(&mut one);
+        assert_eq!(one, [&[0xff, 0xd8][..], &JPEG_SCAN, b"half"].concat());
     }
 
     #[test]

@@ -21,6 +21,9 @@ const MAX_EMISSION: f32 = 1e6;
 /// The maps of a material, as notices call them and in the order of [`Material::textures_mut`].
 const MAPS: [&str; 5] = ["base colour", "metallic-roughness", "normal", "occlusion", "emissive"];
 
+/// The transforms of a material's maps, as bits.
+type Transforms = [Option<[u32; 6]>; 5];
+
 /// Collects the materials that are asked for, and the textures and images that those use.
 pub(super) struct MaterialTable<'a> {
     root: &'a Root,
@@ -30,7 +33,7 @@ pub(super) struct MaterialTable<'a> {
     /// Which TEXCOORD_n the maps of each material read, in the order of [`MAPS`].
     uv_sets: Vec<[Option<u32>; 5]>,
     /// Materials whose maps are read through other transforms, by what they are made from and those transforms.
-    variants: HashMap<(usize, [Option<[u32; 6]>; 5]), usize>,
+    variants: HashMap<(usize, Transforms), usize>,
     /// As for the scene.
     pub textures: Vec<Texture>,
     /// The file's numbers of the images that textures use.

@@ -522,8 +522,7 @@ fn joints_are_blended_by_weight() {
 
     // More than four joints stand in further sets, and weights may be integers.
     let mut model = skinned([&[0; 4]; 3], &[1.0, 0.0, 0.0, 0.0].repeat(3).try_into().unwrap());
-    for (component, bytes) in [(5121, vec![255, 0, 0, 0].repeat(3)), (5123, vec![255, 255, 0, 0, 0, 0, 0, 0].repeat(3))]
-    {
+    for (component, bytes) in [(5121, [255, 0, 0, 0].repeat(3)), (5123, [255, 255, 0, 0, 0, 0, 0, 0].repeat(3))] {
         let joints = model.accessor("VEC4", 5123, 3, &[1, 0, 0, 0, 0, 0, 0, 0].repeat(3));
         let weights = model.accessor("VEC4", component, 3, &bytes);
         model.0["accessors"][weights]["normalized"] = true.into();
