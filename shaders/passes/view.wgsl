@@ -112,7 +112,8 @@ fn daa_view_gbuffer(@builtin(position) position: vec4f) -> @location(0) vec4f {
         case 12u: { c = unpack4x8unorm(s.user).rgb; } // User
         default: {}
     }
-    return vec4f(select(c, vec3f(0.0), s.depth == 0.0), 1.0);
+    // The host may have written what is no number.
+    return daa_clean(vec4f(select(c, vec3f(0.0), s.depth == 0.0), 1.0)).color;
 }
 
 /// Surfaces: their number in the window, on a logarithmic scale.
@@ -125,7 +126,7 @@ fn daa_view_surfaces(@builtin(position) position: vec4f) -> @location(0) vec4f {
 /// First: S, as a display would show it without its curve.
 @fragment
 fn daa_view_first(@builtin(position) position: vec4f) -> @location(0) vec4f {
-    let first = textureLoad(daa_first, daa_target_pixel(position), 0).rgb * daa_frame.exposure;
+    let first = daa_exposed(textureLoad(daa_first, daa_target_pixel(position), 0).rgb);
     return vec4f(first / (1.0 + first), 1.0);
 }
 

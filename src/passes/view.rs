@@ -12,6 +12,8 @@ static MODULE: Module = Module {
         chunk::RANKS,
         chunk::RESULTS_PLANNED,
         chunk::MASKS,
+        chunk::MEAN,
+        chunk::DISPLAY,
         chunk::FULLSCREEN,
         include_str!("../../shaders/passes/view.wgsl"),
     ],

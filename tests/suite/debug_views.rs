@@ -1,5 +1,6 @@
 //! Debug views against what the frame is known to hold.
 
+use crate::campaigns::words::Writer;
 use crate::harness::{Rig, SHOW_USER, Sample};
 use crate::shadows::{bits, full, host, light, looking, scene, square, sun};
 use bytemuck::pod_collect_to_vec;
@@ -183,5 +184,23 @@ fn rays_are_shown_on_every_technique() {
     for view in [DebugView::Tiles, DebugView::Shadows, DebugView::Rays] {
         let (image, _) = shown(&mut host, untraced(Settings { view, ..full() }));
         assert!(image.iter().all(|c| near(*c, [0.0; 3])), "{view:?}: nothing is traced");
+    }
+}
+
+/// What is no number in the G-buffer, and S at exposures that overflow.
+#[test]
+fn views_are_finite_whatever_they_show() {
+    let mut rig = Rig::new(2, 4, 4, "fn shade(s: DaaSample) -> vec4f { return vec4f(1e30); }");
+    let gbuffer = rig.aa.gbuffer().expect("a size");
+    let writer = Writer::new(&rig.gpu, gbuffer);
+    let bad = [f32::NAN, f32::INFINITY, -f32::INFINITY, 3e38].map(f32::to_bits);
+    let sample = |i: usize| [0.1f32.to_bits(), 0, 0, 0, 0, bad[i % 4], bad[i % 4], 0x7e00_7c00, 0xfc00_fe00];
+    writer.write(&rig.gpu, gbuffer, &(0..64).flat_map(sample).collect::<Vec<_>>());
+    for exposure in [1.0, 1e30] {
+        rig.exposure = exposure;
+        for view in DebugView::ALL {
+            let image = rig.run(Settings { view, ..Default::default() }).image;
+            assert!(image.iter().flatten().all(|c| c.is_finite()), "{view:?} at {exposure}: {image:?}");
+        }
     }
 }

@@ -5,6 +5,7 @@ mod api;
 mod bands;
 mod bits;
 mod blend;
+mod campaigns;
 mod checker;
 mod debug_views;
 mod depth;

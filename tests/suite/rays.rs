@@ -35,36 +35,36 @@ fn trace(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) grou
 /// As `DaaRay`.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
-struct GpuRay {
-    origin: Vec3,
-    t_min: f32,
-    direction: Vec3,
-    t_max: f32,
+pub struct GpuRay {
+    pub origin: Vec3,
+    pub t_min: f32,
+    pub direction: Vec3,
+    pub t_max: f32,
 }
 
 /// As `DaaHit`.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
-struct GpuHit {
-    t: f32,
-    instance: u32,
-    triangle: u32,
-    front: u32,
+pub struct GpuHit {
+    pub t: f32,
+    pub instance: u32,
+    pub triangle: u32,
+    pub front: u32,
     barycentrics: [f32; 2],
     record: u32,
     corners: u32,
 }
 
-const MISS: u32 = u32::MAX;
+pub const MISS: u32 = u32::MAX;
 
 fn ray(origin: Vec3, direction: Vec3) -> GpuRay {
     GpuRay { origin, t_min: 0.0, direction, t_max: 1e30 }
 }
 
-struct Tracer {
-    tier: RayTier,
-    gpu: Gpu,
-    scene: RayScene,
+pub struct Tracer {
+    pub tier: RayTier,
+    pub gpu: Gpu,
+    pub scene: RayScene,
     /// The nearest hit; any; any but the back faces of object 3; the nearest where back faces are culled; any that casts
     /// a shadow.
     pipelines: [wgpu::ComputePipeline; 5],
@@ -82,7 +82,7 @@ fn on_each_tier(test: impl Fn(Tracer)) {
 }
 
 impl Tracer {
-    fn new(tier: RayTier) -> Self {
+    pub fn new(tier: RayTier) -> Self {
         let (gpu, source) = match tier {
             RayTier::Software => (device(TextureTier::None), format!("{}\n{KERNEL}", rays::SOFTWARE_WGSL)),
             RayTier::Query => {
@@ -114,7 +114,7 @@ impl Tracer {
         Self { tier, gpu, scene, pipelines }
     }
 
-    fn add(&mut self, positions: &[[f32; 3]], indices: &[u32]) -> MeshId {
+    pub fn add(&mut self, positions: &[[f32; 3]], indices: &[u32]) -> MeshId {
         let built =
             BottomLevel::build(&Mesh { name: "mesh", positions, indices, attributes: &[], masked: false }).unwrap();
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
@@ -123,7 +123,7 @@ impl Tracer {
         id
     }
 
-    fn place(&mut self, instances: &[(MeshId, Affine3A)], camera: Vec3) {
+    pub fn place(&mut self, instances: &[(MeshId, Affine3A)], camera: Vec3) {
         let instances: Vec<_> = instances.iter().map(|&(mesh, world)| instance(mesh, world)).collect();
         self.update(&instances, camera).unwrap();
     }
@@ -135,7 +135,7 @@ impl Tracer {
         Ok(())
     }
 
-    fn trace(&self, rays: &[GpuRay], any: bool) -> Vec<GpuHit> {
+    pub fn trace(&self, rays: &[GpuRay], any: bool) -> Vec<GpuHit> {
         self.run(rays, &self.pipelines[usize::from(any)])
     }
 
@@ -192,7 +192,7 @@ fn random3(seed: &mut u32) -> Vec3 {
 }
 
 /// A closed sphere of 20 · 4^levels triangles, each vertex moved out by up to `bumps`.
-fn sphere(levels: u32, bumps: f32) -> (Vec<[f32; 3]>, Vec<u32>) {
+pub fn sphere(levels: u32, bumps: f32) -> (Vec<[f32; 3]>, Vec<u32>) {
     let g = (1.0 + 5f32.sqrt()) / 2.0;
     let mut positions: Vec<Vec3> = [(-1.0, g, 0.0), (1.0, g, 0.0), (-1.0, -g, 0.0), (1.0, -g, 0.0)]
         .into_iter()

@@ -238,7 +238,7 @@ fn scenes_without_rays_are_drawn_within_plain_limits() {
 // ---- Models made here ----
 
 /// Bytes as a data uri; percent encoding needs no encoder.
-fn uri(mime: &str, bytes: &[u8]) -> String {
+pub fn uri(mime: &str, bytes: &[u8]) -> String {
     bytes.iter().fold(format!("data:{mime},"), |mut text, byte| {
         let _ = write!(text, "%{byte:02x}");
         text
@@ -246,7 +246,7 @@ fn uri(mime: &str, bytes: &[u8]) -> String {
 }
 
 /// A PNG without compression.
-fn png(width: u32, height: u32, rgba: &[u8]) -> Vec<u8> {
+pub fn png(width: u32, height: u32, rgba: &[u8]) -> Vec<u8> {
     let crc = |bytes: &[u8]| {
         !bytes.iter().fold(!0u32, |crc, &b| {
             (0..8).fold(crc ^ u32::from(b), |c, _| if c & 1 == 1 { c >> 1 ^ 0xedb8_8320 } else { c >> 1 })
@@ -944,7 +944,7 @@ fn nodes_of_any_scale_are_lit_alike() {
 // ---- Real files ----
 
 /// The folder of scenes, if it is at hand.
-fn folder() -> Option<PathBuf> {
+pub fn folder() -> Option<PathBuf> {
     let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/scenes");
     let found = std::env::var_os("DEFERRED_AA_SCENES").map(PathBuf::from).or_else(|| beside.is_dir().then_some(beside));
     if found.is_none() {
@@ -954,7 +954,7 @@ fn folder() -> Option<PathBuf> {
 }
 
 /// All files below a folder, in order.
-fn files(folder: &Path) -> Vec<PathBuf> {
+pub fn files(folder: &Path) -> Vec<PathBuf> {
     let mut all = Vec::new();
     for entry in std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path()) {
         if entry.is_dir() {

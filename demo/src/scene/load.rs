@@ -65,6 +65,15 @@ pub fn load(path: &Path, scene_index: Option<usize>) -> Result<Scene, LoadError>
     scene.map_err(|problem| LoadError::new(path, problem))
 }
 
+/// [`load`] of a file whose contents are here already. `path` says where the files are that it refers to.
+///
+/// # Errors
+///
+/// As [`load`].
+pub fn load_bytes(file: &[u8], path: &Path, scene_index: Option<usize>) -> Result<Scene, LoadError> {
+    parse(file, path, scene_index).map_err(|problem| LoadError::new(path, problem))
+}
+
 /// Loads the contents of the file at `path`.
 fn parse(file: &[u8], path: &Path, scene_index: Option<usize>) -> Result<Scene, Problem> {
     let folder = path.parent().unwrap_or(Path::new(""));
