@@ -107,9 +107,11 @@ fn any_size(random: &mut Random, m: u32) -> [u32; 2] {
 fn at_rest(stage: &mut dyn Stage) -> [u64; 3] {
     stage.resize([5, 4]);
     let extras = Extras { exposure: 1.0, depth: None, checks: false, objects: Vec::new() };
-    // What `Selective` has once made stays.
+    // What `Selective` and rays have once made stays.
+    let (shadows, reflections) = (Effect::On, Effect::On);
     for technique in [Technique::Selective, Technique::Single] {
-        stage.frame(Settings { technique, ..Default::default() }, &extras).expect("a frame");
+        let settings = Settings { technique, shadows, reflections, ..Default::default() };
+        stage.frame(settings, &extras).expect("a frame");
     }
     let memory = stage.node().memory();
     [memory.gbuffer, memory.scratch, memory.rays]
@@ -294,10 +296,10 @@ fn busy(seed: u32, x: u32, y: u32) -> Sample {
 
 /// A host of a random scene.
 pub fn host(random: &mut Random, visible: bool) -> Host {
-    // The suite keeps to what other tests have had compiled.
-    let names: &[_] = if is_soak() { &builtin::NAMES[1..] } else { &["shadows", "mirrors"] };
-    let scene = builtin::builtin(random.pick(names)).expect("built in");
-    let m = if is_soak() { 1 + random.below(4) } else { 2 };
+    // Pipelines that trace take software drivers seconds to compile, so there are few sorts of them.
+    let names = ["shadows", "mirrors", "cornell", "flat", "empty"];
+    let scene = builtin::builtin(random.pick(&names[..if is_soak() { 5 } else { 2 }])).expect("built in");
+    let m = if is_soak() { 2 + random.below(2) } else { 2 };
     let adapter = crate::visibility::adapter();
     let wanted = if visible { GBufferTier::Visibility(Ids::Wide) } else { GBufferTier::default() };
     let gbuffer = gbuffer_for(wanted, &scene, &adapter);

@@ -152,7 +152,7 @@ fn near(random: &mut Random, number: f64) -> Value {
         [0, 1, 2, 255, 65_535, 65_536, 0x7fff_ffff, 0x8000_0000, 0xffff_ffff, 0x1_0000_0000, 1 << 62, u64::MAX];
     match random.below(6) {
         0 => json!(number + 1.0),
-        1 => json!(number as i64 + i64::from(random.below(9)) - 4),
+        1 => json!((number as i64).saturating_add(i64::from(random.below(9)) - 4)),
         2 => json!(random.pick(&EXTREMES)),
         3 => json!(random.pick(&[-1.0, 0.0, 1e-45, 1e38, 3.5e38, 1e300, -1e300, 5e-324, 0.5])),
         4 => json!(random.pick(&[i64::MIN, -1, i64::MAX])),
