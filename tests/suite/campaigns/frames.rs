@@ -66,12 +66,12 @@ trait Stage {
     fn frame(&mut self, settings: Settings, extras: &Extras) -> Result<(Statistics, Vec<[f32; 4]>), RecordError>;
 }
 
-/// Frames of one node; returns how many. One node in eight traces rays through a scene.
+/// Frames of one node; returns how many. One node in 16 traces rays through a scene.
 fn session(seed: u32) -> u64 {
     let mut random = Random::new(seed);
-    if seed.is_multiple_of(8) || !is_soak() && seed == 4 {
+    if seed.is_multiple_of(16) || !is_soak() && seed == 4 {
         let visible = random.once_in(2);
-        let frames = if is_soak() { 200 } else { 4 };
+        let frames = if is_soak() { 100 } else { 4 };
         run(&mut host(&mut random, visible), &mut random, frames)
     } else {
         let frames = if is_soak() { 1000 } else { 40 };
@@ -299,7 +299,7 @@ pub fn host(random: &mut Random, visible: bool) -> Host {
     // Pipelines that trace take software drivers seconds to compile, so there are few sorts of them.
     let names = ["shadows", "mirrors", "cornell", "flat", "empty"];
     let scene = builtin::builtin(random.pick(&names[..if is_soak() { 5 } else { 2 }])).expect("built in");
-    let m = if is_soak() { 2 + random.below(2) } else { 2 };
+    let m = 2;
     let adapter = crate::visibility::adapter();
     let wanted = if visible { GBufferTier::Visibility(Ids::Wide) } else { GBufferTier::default() };
     let gbuffer = gbuffer_for(wanted, &scene, &adapter);
