@@ -302,9 +302,10 @@ pub fn host(random: &mut Random, visible: bool) -> Host {
     let m = 2;
     let adapter = crate::visibility::adapter();
     let wanted = if visible { GBufferTier::Visibility(Ids::Wide) } else { GBufferTier::default() };
-    let gbuffer = gbuffer_for(wanted, &scene, &adapter);
     let [width, height] = any_size(random, m);
-    let options = Options { gbuffer, anisotropy: 4, ..Options::new(width, height, m) };
+    let plain = Options { anisotropy: 4, ..Options::new(width, height, m) };
+    let gbuffer = gbuffer_for(wanted, &scene, &adapter, plain.textures, plain.traced());
+    let options = Options { gbuffer, ..plain };
     let gpu = Gpu::new(adapter, &options.descriptor()).expect("a device");
     Host::new(gpu, scene, options).expect("a host")
 }
