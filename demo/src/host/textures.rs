@@ -2,7 +2,6 @@
 //! same picture. What samplers then can't do is left to material.wgsl.
 
 use crate::host::mips::{self, Beside};
-use crate::host::upload::UploadError;
 use crate::scene::{Scene, Texture, Wrap};
 use deferred_aa::{MAX_CLASSES, TableSampler};
 use std::collections::HashMap;
@@ -49,24 +48,12 @@ struct Job {
     sharp: bool,
 }
 
-/// Uploads each image in each form that is asked for.
-pub fn store(
-    device: &wgpu::Device,
-    queue: &wgpu::Queue,
-    scene: &Scene,
-    anisotropy: u16,
-) -> Result<Stored, UploadError> {
-    let limit = device.limits().max_texture_dimension_2d;
-    for image in &scene.images {
-        if image.width > limit || image.height > limit {
-            let (name, width, height) = (image.name.clone(), image.width, image.height);
-            return Err(UploadError::Image { name, width, height, limit });
-        }
-    }
+/// Uploads each image, none of which is larger than the device allows, in each form that is asked for.
+pub fn store(device: &wgpu::Device, queue: &wgpu::Queue, scene: &Scene, anisotropy: u16) -> Stored {
     let natural: Vec<_> =
         scene.textures.iter().map(|t| (scene.images[t.image].width, scene.images[t.image].height)).collect();
-    let layers = device.limits().max_texture_array_layers;
-    let (plans, notices) = plan(&scene.textures, &natural, layers, limit);
+    let wgpu::Limits { max_texture_dimension_2d: widest, max_texture_array_layers: layers, .. } = device.limits();
+    let (plans, notices) = plan(&scene.textures, &natural, layers, widest);
 
     let job = |(t, plan): (&Texture, &Plan)| Job {
         image: t.image,
@@ -80,12 +67,12 @@ pub fn store(
         .into_iter()
         .map(|(job, levels)| (job, texture(device, queue, &levels, job.srgb)))
         .collect();
-    Ok(Stored {
+    Stored {
         textures: jobs.iter().map(|job| made[job].clone()).collect(),
         samplers: plans.iter().map(|plan| sampler(plan, anisotropy)).collect(),
         readings: scene.textures.iter().zip(&plans).zip(natural).map(|((t, p), size)| reading(t, p, size)).collect(),
         notices,
-    })
+    }
 }
 
 /// How to store the textures so that they fall into at most [`MAX_CLASSES`] arrays of so many layers: as they are if

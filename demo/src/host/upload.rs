@@ -168,7 +168,12 @@ impl GpuScene {
                 color: color(mesh.colors[i]),
             }));
         }
-        let Stored { textures, samplers, readings, notices } = textures::store(device, queue, scene, anisotropy)?;
+        let limit = device.limits().max_texture_dimension_2d;
+        if let Some(image) = scene.images.iter().find(|image| image.width.max(image.height) > limit) {
+            let (name, width, height) = (image.name.clone(), image.width, image.height);
+            return Err(UploadError::Image { name, width, height, limit });
+        }
+        let Stored { textures, samplers, readings, notices } = textures::store(device, queue, scene, anisotropy);
         let mut materials: Vec<_> = scene.materials.iter().map(|m| gpu_material(m, &readings)).collect();
         if materials.is_empty() {
             materials.push(bytemuck::Zeroable::zeroed());

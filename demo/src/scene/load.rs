@@ -6,6 +6,7 @@
 
 mod accessor;
 mod cameras;
+mod compact;
 mod container;
 mod error;
 mod images;

@@ -7,6 +7,7 @@ use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
 
 use super::accessor::{Document, Elements};
+use super::compact::compact;
 use super::error::Problem;
 use super::material::MaterialTable;
 use super::placement::{Motion, Shape};
@@ -239,22 +240,6 @@ impl<'a> Attributes<'a> {
         };
         (uvs, bad.into_iter().filter(|&bad| bad).count())
     }
-}
-
-/// Renumbers `corners` to the vertices they use, and returns those.
-pub(super) fn compact(corners: &mut [u32], count: usize) -> Vec<u32> {
-    // New number plus one; zeroed pages that nothing touches cost nothing.
-    let mut renumbered = vec![0; count];
-    let mut used = Vec::new();
-    for corner in corners {
-        let number = &mut renumbered[*corner as usize];
-        if *number == 0 {
-            used.push(*corner);
-            *number = used.len() as u32;
-        }
-        *corner = *number - 1;
-    }
-    used
 }
 
 /// Takes strips and fans apart, keeping the winding.

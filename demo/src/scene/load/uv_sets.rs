@@ -3,8 +3,8 @@
 
 use glam::{DMat2, DVec2, DVec3, Vec2, Vec3};
 
+use super::compact::compact;
 use super::material::MaterialTable;
-use super::mesh::compact;
 use crate::scene::Mesh;
 
 /// More pieces of one primitive than this would cost more than the maps are worth.
