@@ -170,20 +170,20 @@ impl Default for Windowed {
 /// Found by `deferred-aa-demo tune` on the built-in scenes alone: at 320×180 and m = 4, the fewest samples that hold
 /// 41, 45.8 and 50 dB on every scene, and 3 dB more on its edges. Run it on scenes of your own to find constants for
 /// them. `depth_scale` was then raised by hand, so that depth steps of 0.1 % are detected, and `luminance_scale`
-/// lowered in exchange. The figures are the PSNR against [`Technique::Full`](crate::Technique::Full) and the share of
-/// all samples that is shaded, from `deferred-aa-demo render --preset P --scene S --m 4` at 960×540. Those of Sponza
-/// are from `--size 1024x768 --camera 9,1.7,-0.3,-2,4,-0.5,60`; the search never saw that scene, but the change by hand
-/// was judged on it.
+/// lowered in exchange, and again as each channel came to count, so that about as many samples are shaded. The figures
+/// are the PSNR against [`Technique::Full`](crate::Technique::Full) and the share of all samples that is shaded, from
+/// `deferred-aa-demo render --technique windowed --preset P --scene S --m 4 --size 640x360`. Those of Sponza are from
+/// `--size 640x480 --camera=9,1.7,-0.3,-2,4,-0.5,60`; the search never saw that scene, but the changes by hand were
+/// judged on it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Preset {
-    /// Sponza 40.6 dB at 16.3 % of the samples, atrium 45.1 at 20.3, checker 41.3 at 15.5, fence 53.3 at 22.1.
+    /// Sponza 40.6 dB at 19.8 % of the samples, atrium 44.4 at 24.5, checker 41.2 at 16.5, fence 54.0 at 26.2.
     Fast,
-    /// Sponza 44.8 dB at 29.7 % of the samples, atrium 49.3 at 30.1, checker 45.9 at 27.2, fence 54.8 at 25.1. Sponza
-    /// at m = 3: 45.2 at 36.8; at m = 2: 43.6 at 50.4.
+    /// Sponza 43.8 dB at 32.8 % of the samples, atrium 49.4 at 36.3, checker 45.1 at 28.6, fence 55.2 at 29.4.
     #[default]
     Balanced,
-    /// Sponza 49.2 dB at 50.2 % of the samples, atrium 53.7 at 40.5, checker 50.3 at 34.7, fence 56.4 at 30.4.
+    /// Sponza 48.7 dB at 53.6 % of the samples, atrium 54.3 at 49.2, checker 49.9 at 36.8, fence 56.4 at 33.1.
     Quality,
 }
 
