@@ -135,7 +135,8 @@ impl Camera {
         for [x, y] in [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]] {
             let corner = view_from_clip * DVec4::new(x, y, 1.0, 1.0);
             let distance = (corner.truncate() / corner.w).length();
-            if !(distance <= f64::from(Self::FARTHEST_NEAR)) {
+            // NaN is refused with the rest.
+            if distance.is_nan() || distance > f64::from(Self::FARTHEST_NEAR) {
                 return Err(RecordError::NearPlane(distance as f32));
             }
         }

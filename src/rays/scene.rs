@@ -431,9 +431,9 @@ impl RayScene {
                 material: instance.material,
                 object: instance.object,
                 user: instance.user,
-                flags: u32::from(placed.masked) * MASKED
-                    | u32::from(instance.culled) * CULLED
-                    | u32::from(!instance.casts_shadow) * CLEAR,
+                flags: [(placed.masked, MASKED), (instance.culled, CULLED), (!instance.casts_shadow, CLEAR)]
+                    .into_iter()
+                    .fold(0, |flags, (is, flag)| if is { flags | flag } else { flags }),
             });
         }
         if let Some(drawn) = &mut self.drawn {

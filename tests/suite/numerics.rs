@@ -678,7 +678,7 @@ fn row_10_an_edge_of_hue_is_an_edge() {
     for preset in presets() {
         let settings = |luminance_channels| by_luminance(Windowed { luminance_channels, ..preset });
         let grey = run(greys, settings(false));
-        assert!(grey.iter().any(|&k| k == 16), "{preset:?}");
+        assert!(grey.contains(&16), "{preset:?}");
         assert_eq!(run(greys, settings(true)), grey, "{preset:?}");
         assert_eq!(run(hues, settings(true)), grey, "{preset:?}");
         // The paper's metric is blind to it.
@@ -686,7 +686,7 @@ fn row_10_an_edge_of_hue_is_an_edge() {
     }
     let settings = Settings { technique: Technique::Reconstructed, ..Default::default() };
     let grey = run(greys, settings);
-    assert!(grey.iter().any(|&k| k == 16));
+    assert!(grey.contains(&16));
     assert_eq!(run(hues, settings), grey);
 }
 
@@ -696,7 +696,7 @@ fn row_10_the_hosts_bytes_count_where_they_are_asked_for() {
     // A byte that rises from window to window, in each of the four, and the sky around one sample.
     rig.fill(|x, y| {
         let (window, byte) = (x / 4, y / 8);
-        let here = Sample { user: 25 * window << (8 * byte), ..Default::default() };
+        let here = Sample { user: (25 * window) << (8 * byte), ..Default::default() };
         match (window, x % 4 == 1 && y % 4 == 2) {
             (9, false) => Sample::SKY,
             (_, true) => here,

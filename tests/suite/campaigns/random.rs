@@ -33,7 +33,7 @@ impl Random {
 
     /// From 0 to below `n`.
     pub fn below(&mut self, n: u32) -> u32 {
-        (u64::from(self.bits()) * u64::from(n) >> 32) as u32
+        ((u64::from(self.bits()) * u64::from(n)) >> 32) as u32
     }
 
     /// True once in `n` times.

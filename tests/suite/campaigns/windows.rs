@@ -178,7 +178,7 @@ impl Window {
         let user = match self.color {
             0 => 0x8080_8080,
             1 => self.user,
-            2 => self.user ^ u32::from(near) * random.pick(&[1, 0x0101, 0xff00, 0x0300_0000]),
+            2 => self.user ^ (u32::from(near) * random.pick(&[1, 0x0101, 0xff00, 0x0300_0000])),
             _ => random.bits(),
         };
         [depth.to_bits(), normal, identity, 0, user, 0, 0, 0, 0]
