@@ -19,7 +19,8 @@ pub const CAMPAIGN: Campaign = Campaign {
     name: "frames",
     share: 0.4,
     few: 4,
-    limit: Duration::from_secs(600),
+    // Software drivers take minutes to compile all that traces.
+    limit: Duration::from_secs(1800),
     start: || {
         let mut memory = Flat::default();
         Box::new(move |seed| {
@@ -58,7 +59,9 @@ impl Flat {
 }
 
 /// Something that renders frames of any size.
-trait Stage {
+pub trait Stage {
+    /// Settings that it can render, like these.
+    fn adapt(&self, settings: Settings) -> Settings;
     fn m(&self) -> u32;
     fn node(&self) -> &DeferredAa;
     fn resize(&mut self, size: [u32; 2]);
@@ -72,7 +75,7 @@ fn session(seed: u32) -> u64 {
     if seed.is_multiple_of(16) || !is_soak() && seed == 4 {
         let visible = random.once_in(2);
         let frames = if is_soak() { 100 } else { 4 };
-        run(&mut host(&mut random, visible), &mut random, frames)
+        run(&mut Traced::new(&mut random, visible), &mut random, frames)
     } else {
         let frames = if is_soak() { 1000 } else { 40 };
         run(&mut Plain::new(&mut random), &mut random, frames)
@@ -111,7 +114,7 @@ fn at_rest(stage: &mut dyn Stage) -> [u64; 3] {
     let (shadows, reflections) = (Effect::On, Effect::On);
     for technique in [Technique::Selective, Technique::Single] {
         let settings = Settings { technique, shadows, reflections, ..Default::default() };
-        stage.frame(settings, &extras).expect("a frame");
+        stage.frame(stage.adapt(settings), &extras).expect("a frame");
     }
     let memory = stage.node().memory();
     [memory.gbuffer, memory.scratch, memory.rays]
@@ -119,7 +122,7 @@ fn at_rest(stage: &mut dyn Stage) -> [u64; 3] {
 
 /// Renders a random frame and checks what came of it.
 fn frame(stage: &mut dyn Stage, random: &mut Random, size: [u32; 2]) {
-    let settings = settings(random);
+    let settings = stage.adapt(settings(random));
     let extras = Extras::new(random);
     let told = format!("m = {}, {size:?}, {settings:?}, {extras:?}", stage.m());
     let (statistics, image) = match stage.frame(settings, &extras) {
@@ -146,7 +149,7 @@ fn is_expected(refusal: &RecordError) -> bool {
 
 /// What a frame has besides its settings.
 #[derive(Debug)]
-struct Extras {
+pub struct Extras {
     exposure: f32,
     /// The depth that the frame also writes, unless the host asks for its own.
     depth: Option<Depth>,
@@ -241,6 +244,11 @@ impl Plain {
 }
 
 impl Stage for Plain {
+    fn adapt(&self, settings: Settings) -> Settings {
+        let (shadows, reflections, refraction) = (Effect::Off, Effect::Off, Effect::Off);
+        Settings { shadows, reflections, refraction, ..settings }
+    }
+
     fn m(&self) -> u32 {
         self.rig.aa.m()
     }
@@ -258,8 +266,6 @@ impl Stage for Plain {
     }
 
     fn frame(&mut self, settings: Settings, extras: &Extras) -> Result<(Statistics, Vec<[f32; 4]>), RecordError> {
-        let (shadows, reflections, refraction) = (Effect::Off, Effect::Off, Effect::Off);
-        let settings = Settings { shadows, reflections, refraction, ..settings };
         let Rig { gpu, aa, camera, .. } = &mut self.rig;
         let view = self.target.create_view(&Default::default());
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
@@ -294,9 +300,20 @@ fn busy(seed: u32, x: u32, y: u32) -> Sample {
 
 // ---- With rays ----
 
-/// A host of a random scene.
-pub fn host(random: &mut Random, visible: bool) -> Host {
-    // Pipelines that trace take software drivers seconds to compile, so there are few sorts of them.
+/// The demo's host with a random scene. Pipelines that trace take software drivers seconds to compile, so that all frames
+/// of one have its technique and its kinds of rays.
+pub struct Traced {
+    pub host: Host,
+    kinds: Settings,
+}
+
+impl Traced {
+    pub fn new(random: &mut Random, visible: bool) -> Self {
+        Self { host: host(random, visible), kinds: settings(random) }
+    }
+}
+
+fn host(random: &mut Random, visible: bool) -> Host {
     let names = ["shadows", "mirrors", "cornell", "flat", "empty"];
     let scene = builtin::builtin(random.pick(&names[..if is_soak() { 5 } else { 2 }])).expect("built in");
     let m = 2;
@@ -310,27 +327,33 @@ pub fn host(random: &mut Random, visible: bool) -> Host {
     Host::new(gpu, scene, options).expect("a host")
 }
 
-impl Stage for Host {
+impl Stage for Traced {
+    fn adapt(&self, settings: Settings) -> Settings {
+        let Settings { technique, execution, shadows, reflections, refraction, .. } = self.kinds;
+        Settings { technique, execution, shadows, reflections, refraction, ..settings }
+    }
+
     fn m(&self) -> u32 {
-        self.options.m
+        self.host.options.m
     }
 
     fn node(&self) -> &DeferredAa {
-        &self.aa
+        &self.host.aa
     }
 
     fn resize(&mut self, [width, height]: [u32; 2]) {
-        self.resize(width, height).expect("a size");
+        self.host.resize(width, height).expect("a size");
     }
 
     fn frame(&mut self, settings: Settings, extras: &Extras) -> Result<(Statistics, Vec<[f32; 4]>), RecordError> {
-        let (camera, device) = (self.scene.default_camera(), self.gpu.device.clone());
-        self.importance.clone_from(&extras.objects);
-        let shot = self.frame_by(&camera, settings, |aa, queue, encoder, frame| {
+        let host = &mut self.host;
+        let (camera, device) = (host.scene.default_camera(), host.gpu.device.clone());
+        host.importance.clone_from(&extras.objects);
+        let shot = host.frame_by(&camera, settings, |aa, queue, encoder, frame| {
             extras.record(aa, (&device, queue), encoder, frame)
         });
         match shot {
-            Ok(statistics) => Ok((statistics, self.picture().rgba)),
+            Ok(statistics) => Ok((statistics, host.picture().rgba)),
             Err(HostError::Record(refusal)) => Err(refusal),
             Err(error) => panic!("{error}: {settings:?}"),
         }

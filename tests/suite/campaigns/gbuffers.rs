@@ -1,20 +1,20 @@
 //! G-buffers of any bits: not a number, infinite, out of range, names of nothing. Images are finite all the same, and
 //! the checker names what is certainly wrong.
 
+use super::Campaign;
+use super::frames::{self, Stage as _, Traced};
 use super::random::Random;
 use super::settings::settings;
 use super::words::Writer;
-use super::{Campaign, frames};
 use crate::harness::Rig;
 use deferred_aa::{Effect, GBuffer, InputMistake, InputReport, Settings, wgpu};
 use deferred_aa_demo::host::HostError;
-use std::time::Duration;
 
 pub const CAMPAIGN: Campaign = Campaign {
     name: "gbuffers",
     share: 0.15,
     few: 5,
-    limit: Duration::from_secs(600),
+    limit: frames::CAMPAIGN.limit,
     start: || {
         let mut rigs: [Option<(Rig, Writer)>; 4] = Default::default();
         Box::new(move |seed| match seed % 5 {
@@ -68,11 +68,13 @@ fn gbuffer_depth(rig: &Rig) -> &wgpu::Texture {
 fn traced(seed: u32) -> u64 {
     let mut random = Random::new(seed);
     let visible = random.once_in(2);
-    let mut host = frames::host(&mut random, visible);
+    let mut traced = Traced::new(&mut random, visible);
+    let host = &traced.host;
     let writer = Writer::new(&host.gpu, host.aa.gbuffer().expect("a size"));
     let (camera, device) = (host.scene.default_camera(), host.gpu.device.clone());
     for _ in 0..FRAMES {
-        let settings = settings(&mut random);
+        let settings = traced.adapt(settings(&mut random));
+        let host = &mut traced.host;
         let told = format!("{}, {:?}, {settings:?}", host.scene.name, host.options);
         let words = words(&mut random, host.aa.gbuffer().expect("a size"), writer.words);
         let rendered = host.frame_by(&camera, settings, |aa, queue, encoder, frame| {

@@ -91,11 +91,13 @@ impl World {
         let mut random = Random::new(!seed);
         let rays: Vec<_> = (0..RAYS).map(|_| self.ray(&mut random)).collect();
         let (closest, any) = (tracer.trace(&rays, false), tracer.trace(&rays, true));
+        // How watertight a ray query is along an edge, and how exact, is the adapter's affair.
+        let is_query = tracer.tier == RayTier::Query;
         for ((ray, hit), any) in rays.iter().zip(&closest).zip(&any) {
             let told = format!("{:?}, {ray:?}: {hit:?}, any {any:?}", tracer.tier);
             assert!(hit.instance != MISS || hit.t == ray.t_max, "{told}");
             assert!(
-                self.explains(&mut random, tracer.tier, ray, hit),
+                self.explains(&mut random, ray, hit) || is_query && twin::margin(&wide(ray), &self.triangles) < 1e-4,
                 "{told}, twin {:?}",
                 twin::closest(&wide(ray), &self.triangles)
             );
@@ -126,7 +128,7 @@ impl World {
 
     /// Whether the twin explains a hit: nothing is there, for the ray or one beside it, or the triangle is where the ray
     /// passes and nothing covers it.
-    fn explains(&self, random: &mut Random, tier: RayTier, ray: &GpuRay, hit: &GpuHit) -> bool {
+    fn explains(&self, random: &mut Random, ray: &GpuRay, hit: &GpuHit) -> bool {
         let (wide, rounding) = (wide(ray), self.rounding(ray));
         let own = self.owners.iter().position(|owner| (owner.0, owner.1) == (hit.instance, hit.triangle));
         let reach = match own {
@@ -136,11 +138,7 @@ impl World {
             None => return false,
         };
         let is_free = |ray: &Ray| twin::closest(ray, &self.triangles).is_none_or(|nearest| nearest.t >= reach);
-        is_free(&wide)
-            || (0..400).any(|_| is_free(&beside(random, &wide, rounding)))
-            || self.is_thin(&wide, rounding)
-            // How watertight a ray query is along an edge is the adapter's affair.
-            || tier == RayTier::Query && twin::margin(&wide, &self.triangles) < 1e-4
+        is_free(&wide) || (0..400).any(|_| is_free(&beside(random, &wide, rounding))) || self.is_thin(&wide, rounding)
     }
 
     /// How far rounding moves a ray or a vertex.
