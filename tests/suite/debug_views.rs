@@ -89,7 +89,8 @@ fn garden() -> (Scene, Camera) {
     let material = garden.materials[0].clone();
     let smooth = Material { base_color: Vec4::ONE, roughness: 0.0, ..material.clone() };
     let metal = Material { metallic: 1.0, ..smooth.clone() };
-    garden.materials = vec![metal, Material { transmission: 1.0, ior: 1.3, ..smooth }, material];
+    // Not clear, so that it casts shadows.
+    garden.materials = vec![metal, Material { transmission: 0.4, ior: 1.3, ..smooth }, material];
     garden.sun = sun(vec3(0.3, 0.9, 0.5));
     garden.lights = (0..4).map(|i| light(LightKind::Point, vec3(i as f32 * 2.0 - 3.0, 4.0, 2.0), 9.0)).collect();
     (garden, looking(vec3(2.0, 6.0, 14.0), vec3(2.0, 0.0, 0.0), 0.1))
