@@ -1,6 +1,6 @@
 //! Frames in bands equal whole frames bit for bit, for every technique; and images in a rectangle of a larger target.
 
-use crate::harness::{Rig, SHOW_USER, Sample, fill, noise, rgba8};
+use crate::harness::{Rig, SHOW_USER, Sample, cover, covering, fill, noise, rgba8};
 use crate::shadows::host;
 use crate::visibility::{self, adapter, has_ids};
 use deferred_aa::glam::Vec3;
@@ -35,9 +35,6 @@ fn slice(tier: GBufferTier) -> String {
 struct Out {{
     @builtin(frag_depth) depth: f32,
 {fields}}}
-@vertex fn vertex(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {{
-    return vec4f(f32(i & 1u) * 4.0 - 1.0, f32(i >> 1u) * 4.0 - 1.0, 0.5, 1.0);
-}}
 @fragment fn fragment(@builtin(position) p: vec4f) -> Out {{
     let at = vec2u(p.xy) + origin.xy;
     return Out(textureLoad(depth, at, 0).x{loads});
@@ -55,10 +52,6 @@ struct Slicer {
 impl Slicer {
     fn new(gpu: &Gpu, whole: &deferred_aa::GBuffer, tier: GBufferTier) -> Self {
         let device = &gpu.device;
-        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some("slice"),
-            source: wgpu::ShaderSource::Wgsl(slice(tier).into()),
-        });
         let layout = {
             let texture = |binding, sample_type| wgpu::BindGroupLayoutEntry {
                 binding,
@@ -83,34 +76,7 @@ impl Slicer {
             device
                 .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("slice"), entries: &entries })
         };
-        let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some("slice"),
-            layout: Some(&device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                label: Some("slice"),
-                bind_group_layouts: &[Some(&layout)],
-                immediate_size: 0,
-            })),
-            vertex: wgpu::VertexState {
-                module: &module,
-                entry_point: Some("vertex"),
-                compilation_options: Default::default(),
-                buffers: &[],
-            },
-            primitive: Default::default(),
-            depth_stencil: Some(wgpu::DepthStencilState {
-                depth_compare: Some(wgpu::CompareFunction::Always),
-                ..deferred_aa::GBuffer::depth_state()
-            }),
-            multisample: Default::default(),
-            fragment: Some(wgpu::FragmentState {
-                module: &module,
-                entry_point: Some("fragment"),
-                compilation_options: Default::default(),
-                targets: &tier.color_targets(),
-            }),
-            multiview_mask: None,
-            cache: None,
-        });
+        let pipeline = covering(device, "slice", Some(&layout), slice(tier), &tier.color_targets());
         let origin = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("slice"),
             size: 16,
@@ -135,15 +101,7 @@ impl Slicer {
         host.gpu.queue.write_buffer(&self.origin, 0, bytemuck::bytes_of(&origin));
         let gbuffer = host.aa.gbuffer().expect("a size");
         assert_eq!([gbuffer.width, gbuffer.height], [band.raster.width * m, band.raster.height * m]);
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("slice"),
-            color_attachments: &gbuffer.color_attachments(),
-            depth_stencil_attachment: Some(gbuffer.depth_attachment()),
-            ..Default::default()
-        });
-        pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, &self.group, &[]);
-        pass.draw(0..3, 0..1);
+        cover(encoder, gbuffer, &self.pipeline, &self.group);
     }
 }
 

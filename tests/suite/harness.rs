@@ -312,9 +312,6 @@ struct Out {
     @location(1) frame: vec2u,
     @location(2) uv: vec4u,
 }
-@vertex fn vertex(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
-    return vec4f(f32(i & 1u) * 4.0 - 1.0, f32(i >> 1u) * 4.0 - 1.0, 0.5, 1.0);
-}
 @fragment fn fragment(@builtin(position) p: vec4f) -> Out {
     let r = samples[u32(p.y) * width.x + u32(p.x)];
     var f: DaaFragment;
@@ -330,6 +327,76 @@ struct Out {
     let g = daa_pack(f);
     return Out(r.depth, g.surface, g.frame, g.uv);
 }";
+
+/// A triangle that covers the target.
+const COVERING: &str = "
+@vertex fn vertex(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
+    return vec4f(f32(i & 1u) * 4.0 - 1.0, f32(i >> 1u) * 4.0 - 1.0, 0.5, 1.0);
+}";
+
+/// A pipeline that writes every sample of a G-buffer, its depth too, by `fragment` of a source. Without a layout for
+/// group 0, that follows from the source.
+pub fn covering(
+    device: &wgpu::Device,
+    label: &str,
+    layout: Option<&wgpu::BindGroupLayout>,
+    source: String,
+    targets: &[Option<wgpu::ColorTargetState>],
+) -> wgpu::RenderPipeline {
+    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some(label),
+        source: wgpu::ShaderSource::Wgsl((source + COVERING).into()),
+    });
+    let layout = layout.map(|layout| {
+        device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(label),
+            bind_group_layouts: &[Some(layout)],
+            immediate_size: 0,
+        })
+    });
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some(label),
+        layout: layout.as_ref(),
+        vertex: wgpu::VertexState {
+            module: &module,
+            entry_point: Some("vertex"),
+            compilation_options: Default::default(),
+            buffers: &[],
+        },
+        primitive: Default::default(),
+        depth_stencil: Some(wgpu::DepthStencilState {
+            depth_compare: Some(wgpu::CompareFunction::Always),
+            ..GBuffer::depth_state()
+        }),
+        multisample: Default::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: &module,
+            entry_point: Some("fragment"),
+            compilation_options: Default::default(),
+            targets,
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}
+
+/// Records the pass of such a pipeline.
+pub fn cover(
+    encoder: &mut wgpu::CommandEncoder,
+    gbuffer: &GBuffer,
+    pipeline: &wgpu::RenderPipeline,
+    group: &wgpu::BindGroup,
+) {
+    let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some("cover"),
+        color_attachments: &gbuffer.color_attachments(),
+        depth_stencil_attachment: Some(gbuffer.depth_attachment()),
+        ..Default::default()
+    });
+    pass.set_pipeline(pipeline);
+    pass.set_bind_group(0, group, &[]);
+    pass.draw(0..3, 0..1);
+}
 
 /// Writes every sample of a G-buffer, as a host's raster pass would.
 pub fn fill(gpu: &Gpu, gbuffer: &GBuffer, sample: impl Fn(u32, u32) -> Sample) {
@@ -356,34 +423,8 @@ pub fn fill(gpu: &Gpu, gbuffer: &GBuffer, sample: impl Fn(u32, u32) -> Sample) {
     };
     let samples = buffer(bytemuck::cast_slice(&raw), wgpu::BufferUsages::STORAGE);
     let width = buffer(bytemuck::bytes_of(&[gbuffer.width, 0, 0, 0]), wgpu::BufferUsages::UNIFORM);
-    let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some("fill"),
-        source: wgpu::ShaderSource::Wgsl(format!("{}\n{FILL}", GBufferTier::default().pack_wgsl()).into()),
-    });
-    let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("fill"),
-        layout: None,
-        vertex: wgpu::VertexState {
-            module: &module,
-            entry_point: Some("vertex"),
-            compilation_options: Default::default(),
-            buffers: &[],
-        },
-        primitive: Default::default(),
-        depth_stencil: Some(wgpu::DepthStencilState {
-            depth_compare: Some(wgpu::CompareFunction::Always),
-            ..GBuffer::depth_state()
-        }),
-        multisample: Default::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: &module,
-            entry_point: Some("fragment"),
-            compilation_options: Default::default(),
-            targets: &GBufferTier::default().color_targets(),
-        }),
-        multiview_mask: None,
-        cache: None,
-    });
+    let source = format!("{}\n{FILL}", GBufferTier::default().pack_wgsl());
+    let pipeline = covering(&gpu.device, "fill", None, source, &GBufferTier::default().color_targets());
     let bind_group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
         label: None,
         layout: &pipeline.get_bind_group_layout(0),
@@ -393,16 +434,7 @@ pub fn fill(gpu: &Gpu, gbuffer: &GBuffer, sample: impl Fn(u32, u32) -> Sample) {
         ],
     });
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
-    let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-        label: Some("fill"),
-        color_attachments: &gbuffer.color_attachments(),
-        depth_stencil_attachment: Some(gbuffer.depth_attachment()),
-        ..Default::default()
-    });
-    pass.set_pipeline(&pipeline);
-    pass.set_bind_group(0, &bind_group, &[]);
-    pass.draw(0..3, 0..1);
-    drop(pass);
+    cover(&mut encoder, gbuffer, &pipeline, &bind_group);
     gpu.queue.submit([encoder.finish()]);
 }
 

@@ -129,7 +129,7 @@ mod tests {
             ("windowed.depths=1", "did you mean windowed.depth? choose centred, depth,"),
             (
                 "depht_scale=1",
-                "did you mean reconstructed.depth_scale or windowed.depth_scale? choose execution, goal, multi_resolution, ray_samples,",
+                "did you mean reconstructed.depth_scale or windowed.depth_scale? choose execution, goal, multi_resolution, ray_bias, ray_samples,",
             ),
             ("windwed.footprint=1", "no setting 'windwed': did you mean windowed.footprint? choose"),
             ("windwed=1", "did you mean windowed? choose"),

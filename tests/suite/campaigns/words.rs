@@ -1,5 +1,6 @@
 //! G-buffers written word by word, past the packing that keeps a host from most mistakes.
 
+use crate::harness::{cover, covering};
 use deferred_aa::{GBuffer, wgpu};
 use deferred_aa_demo::gpu::Gpu;
 use std::fmt::Write as _;
@@ -17,35 +18,9 @@ impl Writer {
     pub fn new(gpu: &Gpu, gbuffer: &GBuffer) -> Self {
         let formats: Vec<_> = gbuffer.color.iter().map(|view| view.texture().format()).collect();
         let words = 1 + formats.iter().map(|format| usize::from(format.components())).sum::<usize>();
-        let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some("words"),
-            source: wgpu::ShaderSource::Wgsl(source(&formats, words).into()),
-        });
+        let source = source(&formats, words);
         let targets: Vec<_> = formats.into_iter().map(|format| Some(format.into())).collect();
-        let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some("words"),
-            layout: None,
-            vertex: wgpu::VertexState {
-                module: &module,
-                entry_point: Some("vertex"),
-                compilation_options: Default::default(),
-                buffers: &[],
-            },
-            primitive: Default::default(),
-            depth_stencil: Some(wgpu::DepthStencilState {
-                depth_compare: Some(wgpu::CompareFunction::Always),
-                ..GBuffer::depth_state()
-            }),
-            multisample: Default::default(),
-            fragment: Some(wgpu::FragmentState {
-                module: &module,
-                entry_point: Some("fragment"),
-                compilation_options: Default::default(),
-                targets: &targets,
-            }),
-            multiview_mask: None,
-            cache: None,
-        });
+        let pipeline = covering(&gpu.device, "words", None, source, &targets);
         Self { pipeline, words }
     }
 
@@ -65,15 +40,7 @@ impl Writer {
                 wgpu::BindGroupEntry { binding: 1, resource: width.as_entire_binding() },
             ],
         });
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("words"),
-            color_attachments: &gbuffer.color_attachments(),
-            depth_stencil_attachment: Some(gbuffer.depth_attachment()),
-            ..Default::default()
-        });
-        pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, &group, &[]);
-        pass.draw(0..3, 0..1);
+        cover(encoder, gbuffer, &self.pipeline, &group);
     }
 
     /// Writes every sample.
@@ -99,9 +66,6 @@ fn source(formats: &[wgpu::TextureFormat], words: usize) -> String {
         "@group(0) @binding(0) var<storage, read> words: array<u32>;
         @group(0) @binding(1) var<uniform> width: vec4u;
         struct Out {{ @builtin(frag_depth) depth: f32, {fields} }}
-        @vertex fn vertex(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {{
-            return vec4f(f32(i & 1u) * 4.0 - 1.0, f32(i >> 1u) * 4.0 - 1.0, 0.5, 1.0);
-        }}
         @fragment fn fragment(@builtin(position) p: vec4f) -> Out {{
             let at = (u32(p.y) * width.x + u32(p.x)) * {words}u;
             return Out(bitcast<f32>(words[at]){values});

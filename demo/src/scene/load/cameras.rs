@@ -2,7 +2,7 @@
 
 use std::f32::consts::FRAC_PI_2;
 
-use glam::{Mat4, Vec3};
+use glam::Mat4;
 use gltf::json::camera;
 
 use crate::scene::vectors::unit;
@@ -34,7 +34,8 @@ pub(super) fn convert(camera: &camera::Camera, world: Mat4) -> Option<Camera> {
         (Lens::Orthographic { half_height, far }, orthographic.znear.max((half_height * 1e-4).min(far * 0.5)))
     };
     let near = if near.is_finite() && near > 0.0 { near } else { 0.01 };
-    (Vec3::is_finite(target)).then_some(Camera { eye, target, up, lens, near })
+    let is_empty = matches!(lens, Lens::Orthographic { far, .. } if far <= near);
+    (target.is_finite() && !is_empty).then_some(Camera { eye, target, up, lens, near })
 }
 
 fn fov(perspective: &camera::Perspective) -> Option<f32> {

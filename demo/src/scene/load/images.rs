@@ -91,9 +91,13 @@ fn decode(
     limits.max_image_width = Some(MAX_SIDE);
     limits.max_image_height = Some(MAX_SIDE);
     limits.max_alloc = Some(MAX_BYTES);
-    reader.limits(limits);
+    reader.limits(limits.clone());
     let decoded = if cut {
-        reader.into_decoder().and_then(|decoder| DynamicImage::from_decoder(Lenient(decoder)))
+        reader.into_decoder().and_then(|decoder| {
+            // As `decode` does: the size that a file claims need not be that of a picture.
+            limits.reserve(decoder.total_bytes())?;
+            DynamicImage::from_decoder(Lenient(decoder))
+        })
     } else {
         reader.decode()
     };

@@ -629,10 +629,12 @@ fn cameras_stand_in_the_world() {
         { "type": "perspective", "perspective": { "yfov": 0.0, "znear": 0.25 } },
         { "type": "orthographic", "orthographic": { "xmag": 3, "ymag": 2.25, "znear": 0, "zfar": 1e6 } },
         { "type": "orthographic", "orthographic": { "xmag": 3e4, "ymag": 3e4, "znear": 0, "zfar": 1 } },
+        // Half of such a far plane is 0 in f32.
+        { "type": "orthographic", "orthographic": { "xmag": 2, "ymag": 3, "znear": 0, "zfar": 1e-45 } },
     ]);
     model.0["nodes"] = json!([
         { "camera": 0, "translation": [1, 2, 3], "rotation": turn.to_array() }, { "camera": 1 }, { "camera": 2 },
-        { "camera": 3 }, { "camera": 4 },
+        { "camera": 3 }, { "camera": 4 }, { "camera": 5 },
     ]);
     let scene = model.scene();
     assert_eq!(scene.cameras.len(), 4);
@@ -645,6 +647,8 @@ fn cameras_stand_in_the_world() {
     assert_eq!(scene.cameras[1].lens, Lens::Orthographic { half_height: 3.0, far: 100.0 });
     assert!(scene.cameras[1].near > 0.0);
     assert_mentions(&scene.notices[0], &["node 2", "camera 2"]);
+    assert_mentions(&scene.notices[1], &["node 5", "camera 5"]);
+    scene.validate().expect("a sound scene");
 }
 
 #[test]
@@ -953,6 +957,27 @@ fn pictures_that_are_cut_short_are_shown_and_named() {
         assert_eq!(rows(&part, 0..16), rows(&whole, 0..16), "{format:?}: what there is of it");
         assert_ne!(rows(&part, 56..64), rows(&whole, 56..64), "{format:?}");
     }
+}
+
+/// The head of a PNG of 2 GiB, and nothing else.
+#[test]
+fn a_cut_picture_that_claims_to_be_huge_is_refused() {
+    let chunk = |kind: &[u8; 4], data: &[u8]| {
+        let named = [kind, data].concat();
+        let shifted = |crc: u32| (crc >> 1) ^ if crc & 1 == 1 { 0xedb8_8320 } else { 0 };
+        let crc = !named.iter().fold(!0u32, |crc, &byte| (0..8).fold(crc ^ u32::from(byte), |crc, _| shifted(crc)));
+        [&(data.len() as u32).to_be_bytes()[..], &named, &crc.to_be_bytes()].concat()
+    };
+    let side = 16384u32.to_be_bytes();
+    // 16 bits of red, green, blue and alpha.
+    let head = chunk(b"IHDR", &[&side[..], &side, &[16, 6, 0, 0, 0]].concat());
+    let file = [b"\x89PNG\r\n\x1a\n", &head[..], &chunk(b"IDAT", &[0x78, 0x9c])].concat();
+    let mut model = Model::triangle();
+    let view = model.bytes(&file);
+    model.0["images"] = json!([{ "bufferView": view, "name": "bark" }]);
+    model.0["textures"] = json!([{ "source": 0 }]);
+    model.material(json!({ "emissiveTexture": { "index": 0 } }));
+    assert_mentions(&model.problem(), &["image 0 'bark'", "emory"]);
 }
 
 #[test]
