@@ -142,9 +142,9 @@ fn daa_ranks(group: vec2u, lane: u32, kind: u32) -> DaaRanks {
 }
 
 /// The distance from a surface at which rays start: 2⁻¹⁶ of its distance to the camera, since the depth buffer and the
-/// ray scene round differently, or the share of a sample that the rasteriser may lose. World coordinates do not matter, as both are relative to the camera. Large triangles,
-/// and coordinates in a mesh's own space that are much larger, do (`RayScene::least_offsets`): objects that have them
-/// have a least offset.
+/// ray scene round differently, or the share of a sample that the rasteriser may lose. World coordinates do not matter,
+/// as both are relative to the camera. Large triangles, and coordinates in a mesh's own space that are much larger, do:
+/// objects that have them have a least offset (`RayScene::least_offsets`).
 fn daa_ray_offset(relative: vec3f, object: u32) -> f32 {
     let from_camera = abs(relative);
     let distance = max(max(from_camera.x, from_camera.y), from_camera.z);

@@ -1,9 +1,8 @@
 //! A pass as data: its module, its bindings and its stages. Layouts, bind groups, reads and writes all come from the
 //! one list of bindings.
 
-use crate::gpu::buffers::REFLECTIVE_BYTES;
 use crate::gpu::modules::{Base, Module};
-use crate::gpu::sizes::{IMAGE_FORMAT, WORK_BYTES};
+use crate::gpu::sizes::{IMAGE_FORMAT, REFLECTIVE_BYTES, WORK_BYTES};
 use crate::gpu::uniforms::casting::CastingUniform;
 use crate::gpu::uniforms::frame::FrameUniform;
 use crate::gpu::uniforms::lattice::StepUniform;

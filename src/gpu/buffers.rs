@@ -2,6 +2,7 @@
 //! Each is created when a frame first needs it.
 
 use crate::gpu::binding::{Access, Slot};
+use crate::gpu::sizes::{NAMES, REFLECTIVE_BYTES};
 use crate::gpu::uniforms::audited;
 use crate::gpu::uniforms::casting::{CastSamples, CastingUniform};
 use crate::gpu::uniforms::frame::FrameUniform;
@@ -12,12 +13,8 @@ use crate::host::needs::{Needs, ObjectImportance};
 use crate::host::statistics::COUNTER_BYTES;
 use std::sync::OnceLock;
 
-/// The number of materials, and of objects, that a G-buffer can tell apart.
-const NAMES: usize = 1 << 16;
 /// The bytes of `daa_marks` of select.wgsl: a bit for each material and a byte for each object.
 pub(crate) const MARKS_BYTES: u64 = NAMES as u64 / 8 + NAMES as u64;
-/// The bytes of `daa_reflective` of reflect.wgsl: a bit for each material.
-pub(crate) const REFLECTIVE_BYTES: u64 = NAMES as u64 / 8;
 
 /// The bytes of a placeholder.
 const NOTHING_BYTES: u64 = 256;

@@ -12,6 +12,11 @@ use crate::host::statistics::COUNTER_BYTES;
 /// The format of S and of the shaded image: f32, so that linear means have the precision of f32 and 65520 stays finite.
 pub(crate) const IMAGE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 
+/// The number of materials, and of objects, that a G-buffer can tell apart.
+pub(crate) const NAMES: usize = 1 << 16;
+/// The bytes of `daa_reflective` of reflect.wgsl: a bit for each material.
+pub(crate) const REFLECTIVE_BYTES: u64 = NAMES as u64 / 8;
+
 /// The bytes of a `DaaWork` of work.wgsl: the part of a list that one dispatch runs.
 pub(crate) const WORK_BYTES: u64 = 256;
 

@@ -75,8 +75,8 @@ pub struct Settings {
     /// [`MultiResolution::supersampled`]. With a
     /// [`goal`](Self::goal) there is room for all.
     pub ray_samples: f32,
-    /// How far from a surface rays start at least, in samples, 0 to 1, where the position follows from a stored depth. It
-    /// covers what rasterisers lose by placing vertices on a grid, of 1/256 of a sample on most GPUs. Higher: no
+    /// How far from a surface rays start at least, in samples, 0 to 1, where the position follows from a stored depth.
+    /// It covers what rasterisers lose by placing vertices on a grid, of 1/256 of a sample on most GPUs. Higher: no
     /// surface shadows itself on coarser ones, and shadows narrower than that are lost where surfaces touch. Lower:
     /// finer contact shadows. A visibility buffer has exact positions and ignores it.
     pub ray_bias: f32,

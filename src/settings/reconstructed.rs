@@ -37,10 +37,10 @@ pub struct Reconstructed {
     /// A sample whose weights sum to less than this is shaded, 1e-6 to 10; nine windows with full weight sum to 9.
     /// Higher: more samples at edges are shaded, fewer are guessed.
     pub least_weight: f32,
-    /// Samples per unit of the greatest range of a channel between the shaded samples of direct neighbours on one surface and in
-    /// one shadow, 0 to 1e6. It holds for m = 4 and is multiplied by m/4 at other m. That many of the window's samples
-    /// on that surface are shaded; needs [`own_first`](Self::own_first). Higher: better textures and highlights, more
-    /// samples; 0: off, as in the paper.
+    /// Samples per unit of the greatest range of a channel between the shaded samples of direct neighbours on one
+    /// surface and in one shadow, 0 to 1e6. It holds for m = 4 and is multiplied by m/4 at other m. That many of the
+    /// window's samples on that surface are shaded; needs [`own_first`](Self::own_first). Higher: better textures and
+    /// highlights, more samples; 0: off, as in the paper.
     pub contrast_scale: f32,
     /// Ranges below this count as 0, 0 to 1, with each channel on the curve √(c/(1+c)). Higher: less work in
     /// noise.

@@ -20,9 +20,9 @@ pub struct Windowed {
     pub normal_scale: f32,
     /// Counts opposite normals as equal: the paper's |n̄·n|. Useful for leaves drawn as one-sided planes.
     pub two_sided: bool,
-    /// Samples per unit of the range of luminance, or of a channel, over the neighbouring first samples (section 3.1), 0 to 1e6. It holds
-    /// for m = 4 and is multiplied by m/4 at other m, as an edge crosses m samples per side. Higher: more samples at
-    /// edges of light and texture. Lower: fewer; 0: off. Windows with nothing but sky keep k = 1.
+    /// Samples per unit of the range of luminance, or of a channel, over the neighbouring first samples (section 3.1), 0
+    /// to 1e6. It holds for m = 4 and is multiplied by m/4 at other m, as an edge crosses m samples per side. Higher:
+    /// more samples at edges of light and texture. Lower: fewer; 0: off. Windows with nothing but sky keep k = 1.
     pub luminance_scale: f32,
     /// Ranges below this are not edges, 0 to 1e6. Higher: less work in dark noise. Lower: detects fainter
     /// edges. FXAA's published values are 0.0312 to 0.0833.
