@@ -138,6 +138,13 @@ fn daa_list_pixels(@builtin(global_invocation_id) id: vec3u, @builtin(local_invo
     }
 }
 
+/// The number of batches into which the samples of any frame of this size fit, `batches` of src/gpu/sizes.rs. A host may
+/// have lent memory with room for more.
+fn daa_batches() -> u32 {
+    let samples = daa_frame.size.x * daa_frame.size.y * (DAA_M * DAA_M - 1u);
+    return max((samples + DAA_BATCH - 1u) / DAA_BATCH, 1u);
+}
+
 /// The number of samples before the first tile that has at least `samples` before it, or of all samples if there is
 /// none.
 fn daa_cut(samples: u32) -> u32 {
@@ -161,7 +168,7 @@ fn daa_cut(samples: u32) -> u32 {
 fn daa_list_samples(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocation_index) lane: u32) {
     let index = daa_tile_index(tile.xy);
     if index == 0u {
-        for (var batch = lane; batch < arrayLength(&daa_work) - 1u; batch += 64u) {
+        for (var batch = lane; batch < daa_batches(); batch += 64u) {
             daa_set_work(batch + 1u, daa_cut(batch * DAA_BATCH), daa_cut((batch + 1u) * DAA_BATCH));
         }
     }

@@ -456,8 +456,8 @@ pub enum RecordError {
         /// The most lights that can cast shadows.
         limit: usize,
     },
-    /// A light's position or direction is not finite, or the direction is 0.
-    #[error("light {0} of Needs::shadows is not finite, or has no direction")]
+    /// A light's position or direction is not finite, the direction is 0, or the position is more than 1e12 from the camera.
+    #[error("light {0} of Needs::shadows is not finite, has no direction, or is more than 1e12 from the camera")]
     CastingLight(usize),
     /// A material index is beyond the range of the G-buffer.
     #[error("Needs::textured[{index}] is {material}; the G-buffer holds materials below 65536")]

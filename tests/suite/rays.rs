@@ -388,6 +388,92 @@ fn rays_along_axes_meet_what_lies_on_their_planes() {
     assert_eq!(tracer.gpu.take_errors(), Vec::<String>::new());
 }
 
+/// Row 15: the same among closed boxes, against the twin: through their corners, along their edges and faces, from
+/// points on their planes, with directions of many lengths. Whole and half coordinates are exact, so t is, too.
+#[test]
+fn rays_along_axes_are_those_of_the_twin() {
+    let mut tracer = Tracer::new(RayTier::Software);
+    let positions: Vec<_> = (0..8).map(|i| [0, 1, 2].map(|axis| (i >> axis & 1) as f32)).collect();
+    let indices: [u32; 36] =
+        [0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5];
+    let id = tracer.add(&positions, &indices);
+    let quarter = Mat3::from_cols(Vec3::Y, -Vec3::X, Vec3::Z);
+    let placed: Vec<_> = (0..27)
+        .map(|i| {
+            let at = vec3((i % 3) as f32, (i / 3 % 3) as f32, (i / 9) as f32) * 3.0;
+            let turned = if i % 2 == 0 { Mat3::IDENTITY } else { quarter };
+            (id, Affine3A::from_mat3_translation(turned * 2f32.powi(i % 3 - 1), at))
+        })
+        .collect();
+    tracer.place(&placed, Vec3::ZERO);
+    let triangles: Vec<_> = placed
+        .iter()
+        .flat_map(|(_, world)| {
+            let world = DAffine3::from_mat3_translation(world.matrix3.as_dmat3(), world.translation.as_dvec3());
+            twin::place(&positions, &indices, world, DVec3::ZERO)
+        })
+        .collect();
+    let mut seed = 5;
+    let rays: Vec<_> = (0..12_000)
+        .map(|i: u32| {
+            let origin = [(); 3].map(|()| (random(&mut seed) * 10.0).round() * 0.5 + 3.5);
+            let direction = [Vec3::X, Vec3::Y, Vec3::Z][i as usize % 3] * if i % 2 == 0 { 1.0 } else { -1.0 };
+            ray(Vec3::from(origin), direction * [1.0, 9.5e-7, 1_048_576.0][i as usize / 6 % 3])
+        })
+        .collect();
+    let [closest, any] = [false, true].map(|any| tracer.trace(&rays, any));
+    let mut met = 0;
+    for ((gpu, hit), any) in rays.iter().zip(&closest).zip(&any) {
+        let ray = Ray {
+            origin: gpu.origin.as_dvec3(),
+            direction: gpu.direction.as_dvec3(),
+            t_min: f64::from(gpu.t_min),
+            t_max: f64::from(gpu.t_max),
+        };
+        let expected = twin::closest(&ray, &triangles).map(|e| e.t);
+        assert_eq!(any.instance != MISS, expected.is_some(), "{gpu:?}: {hit:?}, {expected:?}");
+        let found = (hit.instance != MISS).then_some(f64::from(hit.t));
+        let near = found.zip(expected).is_none_or(|(a, b)| (a - b).abs() <= 1e-6 * b);
+        assert!(found.is_some() == expected.is_some() && near, "{gpu:?}: {hit:?}, {expected:?}");
+        met += usize::from(found.is_some());
+    }
+    assert!(met > 2000 && met < 10_000, "{met}");
+    assert_eq!(tracer.gpu.take_errors(), Vec::<String>::new());
+}
+
+/// Row 16: a third of the triangles has no area, and no ray notices.
+#[test]
+fn triangles_without_area_change_no_hit() {
+    on_each_tier(|mut tracer| {
+        let (positions, indices) = sphere(3, 0.2);
+        let mut padded = Vec::new();
+        let mut own = Vec::new();
+        for (i, triangle) in (0..).zip(indices.chunks(3)) {
+            if i % 2 == 0 {
+                let [a, b] = [triangle[0], triangle[1]];
+                padded.extend([[a, a, a], [a, b, a], [b, b, a]][i / 2 % 3]);
+            }
+            own.push((padded.len() / 3) as u32);
+            padded.extend(triangle);
+        }
+        let [plain, other] = [tracer.add(&positions, &indices), tracer.add(&positions, &padded)];
+        let mut seed = 13;
+        let rays: Vec<_> = (0..100_000).map(|_| ray(2.0 * random3(&mut seed), random3(&mut seed))).collect();
+        let [plain, other] = [plain, other].map(|mesh| {
+            tracer.place(&[(mesh, Affine3A::IDENTITY)], Vec3::ZERO);
+            tracer.trace(&rays, false)
+        });
+        let mut differ = 0;
+        for (a, b) in plain.iter().zip(&other) {
+            assert_eq!((a.t, a.instance), (b.t, b.instance), "{a:?} {b:?}");
+            // On an edge either triangle may be named.
+            differ += usize::from(a.instance != MISS && own[a.triangle as usize] != b.triangle);
+        }
+        assert!(differ <= 2, "{differ}");
+        assert_eq!(tracer.gpu.take_errors(), Vec::<String>::new());
+    });
+}
+
 /// Row 16, and scenes of nothing, one triangle, and many.
 #[test]
 fn empty_scenes_single_triangles_and_degenerate_ones() {

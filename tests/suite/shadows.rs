@@ -575,9 +575,11 @@ fn frames_that_cannot_be_traced_are_refused() {
     let many = [sun[0]; MAX_CASTING_LIGHTS + 1];
     assert_snapshot!(refused(software, Needs { shadows: &many, rays: Some(&here), ..Default::default() }), @"33 lights cast shadows; 32 can, so leave some out of Needs::shadows");
     let nowhere = CastingLight::Punctual { position: vec3(f32::NAN, 0.0, 0.0), range: 1.0, cone: None };
-    assert_snapshot!(refused(software, Needs { shadows: &[sun[0], nowhere], rays: Some(&here), ..Default::default() }), @"light 1 of Needs::shadows is not finite, or has no direction");
+    assert_snapshot!(refused(software, Needs { shadows: &[sun[0], nowhere], rays: Some(&here), ..Default::default() }), @"light 1 of Needs::shadows is not finite, has no direction, or is more than 1e12 from the camera");
+    let beyond = CastingLight::Punctual { position: vec3(0.0, 2e12, 0.0), range: 1.0, cone: None };
+    assert_snapshot!(refused(software, Needs { shadows: &[beyond], rays: Some(&here), ..Default::default() }), @"light 0 of Needs::shadows is not finite, has no direction, or is more than 1e12 from the camera");
     let flat = CastingLight::Directional { towards: Vec3::ZERO };
-    assert_snapshot!(refused(software, Needs { shadows: &[flat], rays: Some(&here), ..Default::default() }), @"light 0 of Needs::shadows is not finite, or has no direction");
+    assert_snapshot!(refused(software, Needs { shadows: &[flat], rays: Some(&here), ..Default::default() }), @"light 0 of Needs::shadows is not finite, has no direction, or is more than 1e12 from the camera");
     let mirrors = Needs { reflective: &[3], rays: Some(&here), ..Default::default() };
     assert_snapshot!(refused(software, mirrors), @"the frame has materials that reflect or refract, but the host's WGSL has no `fn reflection(s: DaaSample) -> DaaReflection`; write it, or leave Needs::reflective empty");
     assert_eq!(gpu.take_errors(), Vec::<String>::new());

@@ -7,7 +7,7 @@ use super::random::Random;
 use super::settings::settings;
 use super::words::Writer;
 use crate::harness::Rig;
-use deferred_aa::{Effect, GBuffer, InputMistake, InputReport, Settings, wgpu};
+use deferred_aa::{DebugView, Effect, GBuffer, InputMistake, InputReport, Settings, wgpu};
 use deferred_aa_demo::host::HostError;
 
 pub const CAMPAIGN: Campaign = Campaign {
@@ -53,6 +53,8 @@ fn plain((rig, writer): &mut (Rig, Writer), seed: u32) -> u64 {
         writer.write(&rig.gpu, gbuffer, &words(&mut random, gbuffer, writer.words));
         if rig.aa.m() > 1 || rig.try_record(settings).is_ok() {
             assert_sound(&rig.run(settings).image, &told);
+            // It shows floats as they are stored.
+            assert_sound(&rig.run(Settings { view: DebugView::Uv, ..settings }).image, &told);
         }
         let depths = bytemuck::pod_collect_to_vec(&rig.gpu.read_texture(gbuffer_depth(rig), 4));
         assert_names(&rig.check().expect("a report"), &depths, &told);
