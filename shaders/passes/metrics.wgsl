@@ -89,25 +89,23 @@ fn daa_depth_discontinuity(corner: vec2i, w: DaaWindow) -> f32 {
 }
 
 /// The variance of the window's depths over their squared mean. It is computed in two passes, since E[d²] − E[d]²
-/// cancels far from zero, and corrected for the rounding of the mean (Chan, Golub, LeVeque 1983). Differences are divided
-/// by the mean before they are squared: the square of a small depth is a denormal. Depths are those of the reversed-z
-/// buffer, which are linear in screen space.
+/// cancels far from zero (Chan, Golub, LeVeque 1983); their correction for the rounding of the mean is below 1e-14, and no
+/// scale makes a sample of that. Differences are divided by the mean before they are squared: the square of a small depth
+/// is a denormal. Depths are those of the reversed-z buffer, which are linear in screen space.
 fn daa_depth_variance(corner: vec2i, w: DaaWindow) -> f32 {
     let n = f32(DAA_M * DAA_M);
     let mean = w.depth + w.sum / n;
     if mean <= 0.0 {
         return 0.0;
     }
-    var sum = 0.0;
     var sum_of_squares = 0.0;
     for (var y = 0; y < i32(DAA_M); y++) {
         for (var x = 0; x < i32(DAA_M); x++) {
             let off = (daa_depth(corner + vec2i(x, y)) - mean) / mean;
-            sum += off;
             sum_of_squares += off * off;
         }
     }
-    return max(sum_of_squares - sum * sum / n, 0.0) / n;
+    return sum_of_squares / n;
 }
 
 /// √(1 − min n̄·n) over the window's normals. It is computed by chords, 1 − n̄·n = |n̄ − n|²/2, which is precise at

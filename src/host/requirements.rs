@@ -79,6 +79,7 @@ impl Requirements {
         }
         let mut missing: Vec<String> = (needed - has).iter_names().map(|(name, _)| format!("feature {name}")).collect();
         missing.extend(missing_limits(&limits, &adapter.limits()));
+        missing.extend(missing_backend(adapter.get_info().backend));
         let flags = adapter.get_downlevel_capabilities().flags;
         let compute = wgpu::DownlevelFlags::COMPUTE_SHADERS | wgpu::DownlevelFlags::INDIRECT_EXECUTION;
         missing.extend((compute - flags).iter_names().map(|(name, _)| format!("downlevel flag {name}")));
@@ -179,11 +180,19 @@ fn missing_limits(needed: &wgpu::Limits, has: &wgpu::Limits) -> Vec<String> {
     missing
 }
 
-/// The features and limits of the descriptor that the device lacks.
+/// wgpu's GL backend meets the limits on some machines, but takes an array texture of one layer for a plain one, which
+/// the texture table then reads as black (wgpu-hal, `gles`: "view dimension heuristics").
+fn missing_backend(backend: wgpu::Backend) -> Option<String> {
+    (backend == wgpu::Backend::Gl)
+        .then(|| "a backend other than GL, which reads array textures of one layer wrongly".into())
+}
+
+/// The backend, features and limits of the descriptor that the device lacks.
 pub(crate) fn missing(device: &wgpu::Device, descriptor: &Descriptor<'_>) -> Vec<String> {
     let (needed, _) = features(descriptor);
     let mut missing: Vec<String> =
         (needed - device.features()).iter_names().map(|(name, _)| format!("feature {name}")).collect();
     missing.extend(missing_limits(&limits(descriptor), &device.limits()));
+    missing.extend(missing_backend(device.adapter_info().backend));
     missing
 }

@@ -244,6 +244,32 @@ fn new_refuses() {
     no_errors(&gpu);
 }
 
+/// Devices with no more than OpenGL ES 3.1 or WebGL 2 promise, and adapters of the GL backend where there are any.
+#[test]
+fn lesser_devices_are_refused_by_what_they_lack() {
+    let adapter = harness::device(TextureTier::None).adapter;
+    for limits in [wgpu::Limits::downlevel_defaults(), wgpu::Limits::downlevel_webgl2_defaults()] {
+        let gpu = Gpu::with(adapter.clone(), wgpu::Features::empty(), limits).expect("a device");
+        let refused = DeferredAa::new(&gpu.device, &descriptor(2, Rgba8Unorm, WHITE), None).expect_err("a refusal");
+        let BuildError::Missing(missing) = refused else { panic!("{refused}") };
+        assert!(missing.iter().any(|m| m.contains("max_storage_buffers_per_shader_stage = 8")), "{missing:?}");
+        no_errors(&gpu);
+    }
+    let mut wanted = wgpu::InstanceDescriptor::new_without_display_handle();
+    wanted.backends = wgpu::Backends::GL;
+    let adapters = pollster::block_on(wgpu::Instance::new(wanted).enumerate_adapters(wgpu::Backends::GL));
+    if adapters.is_empty() {
+        eprintln!("GL skipped: wgpu finds no adapter");
+    }
+    for adapter in adapters {
+        let missing = DeferredAa::requirements(&adapter, &descriptor(2, Rgba8Unorm, WHITE)).missing;
+        assert!(missing.iter().any(|m| m.contains("a backend other than GL")), "{missing:?}");
+        let Ok(gpu) = Gpu::with(adapter, wgpu::Features::empty(), wgpu::Limits::downlevel_defaults()) else { continue };
+        let refused = DeferredAa::new(&gpu.device, &descriptor(2, Rgba8Unorm, WHITE), None).expect_err("a refusal");
+        assert!(refused.to_string().contains("a backend other than GL"), "{refused}");
+    }
+}
+
 /// Every way in which the host's layout can miss its WGSL comes back as an error, and wgpu's own handler hears nothing.
 #[test]
 fn a_layout_that_does_not_fit_is_a_pipeline_error() {

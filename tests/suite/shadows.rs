@@ -528,6 +528,22 @@ fn lights_in_odd_places() {
     assert!(bits(&host).iter().flatten().all(|&b| b == 1));
 }
 
+/// A ray ends before its lamp.
+#[test]
+fn what_lies_behind_a_lamp_casts_no_shadow() {
+    let camera = looking(vec3(0.2, 0.6, 1.5), Vec3::ZERO, 0.01);
+    for (height, darkens) in [(1.005, false), (0.9, true)] {
+        for tier in tiers() {
+            let mut lit = scene(vec![square()], &[(0, Mat4::IDENTITY), (0, Mat4::from_translation(Vec3::Y * height))]);
+            lit.lights = vec![light(LightKind::Point, Vec3::Y, f32::INFINITY)];
+            let mut host = host_on(lit, 1, [32, 32], tier);
+            let rays = host.frame(&camera, full()).unwrap().statistics.shadow_rays;
+            let dark = bits(&host).iter().flatten().filter(|&&b| b != 0).count();
+            assert!(rays > 100 && (dark > 0) == darkens, "{height}, {tier:?}: {dark} of {rays}");
+        }
+    }
+}
+
 /// What a frame that traces needs, and says if it has not.
 #[test]
 fn frames_that_cannot_be_traced_are_refused() {

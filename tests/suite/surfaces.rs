@@ -436,6 +436,16 @@ fn nothing_that_is_not_finite_gets_out() {
         assert!(output.statistics.not_finite >= 100 && black <= output.statistics.not_finite, "{black} black pixels");
         assert_eq!(output.statistics.surfaces.interpolated, 0);
     }
+    // Neither does a material between them take good light to a bad image.
+    let bad =
+        format!("    m.occlusion = c.g;\n{zero}\n if s.pixel.x % 4u == 1u {{ m.base_color = vec4f(zero / zero); }}");
+    let mut rig = Rig::new(4, WIDTH, HEIGHT, &in_parts().replace("    m.occlusion = c.g;", &bad));
+    rig.fill(large);
+    let output = rig.run(settings(Surfaces { plane: 0.1, block_spread: 1e6, spread: 1e6, ..Default::default() }));
+    assert!(output.image.iter().flatten().all(|c| c.is_finite() && *c >= 0.0));
+    let black = output.image.iter().filter(|c| c[..3] == [0.0; 3]).count() as u32;
+    assert!(output.statistics.not_finite >= 100 && black >= 100, "{black}, {:?}", output.statistics);
+    assert!(output.statistics.surfaces.interpolated >= 100);
     // Normals that cancel.
     let cancel =
         HOOK.replace("m.normal = normalize(", "m.normal = select(-1.0, 1.0, (s.rank & 1u) == 0u) * normalize(");
