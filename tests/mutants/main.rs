@@ -159,7 +159,10 @@ impl Tree {
             }
             seen.push(tests);
             if !self.executables.contains_key(tests.target) {
-                self.executables.insert(tests.target, self.build(tests.target)?);
+                // The next build, of a mutant or of the tree itself, may have the same name.
+                let kept = self.root.join("target/mutants").join(tests.target.concat());
+                fs::copy(self.build(tests.target)?, &kept).map_err(|e| format!("{}: {e}", kept.display()))?;
+                self.executables.insert(tests.target, kept);
             }
             eprintln!("mutants: without one: {}", tests.filter);
             let (code, said) = self.test(&self.executables[tests.target], tests)?;

@@ -9,6 +9,7 @@ mod campaigns;
 mod checker;
 mod debug_views;
 mod depth;
+mod drivers;
 mod example;
 mod goals;
 mod graph;
