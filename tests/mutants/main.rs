@@ -159,10 +159,7 @@ impl Tree {
             }
             seen.push(tests);
             if !self.executables.contains_key(tests.target) {
-                // The next build, of a mutant or of the tree itself, may have the same name.
-                let kept = self.root.join("target/mutants").join(tests.target.concat());
-                fs::copy(self.build(tests.target)?, &kept).map_err(|e| format!("{}: {e}", kept.display()))?;
-                self.executables.insert(tests.target, kept);
+                self.executables.insert(tests.target, self.build(tests.target, "whole")?);
             }
             eprintln!("mutants: without one: {}", tests.filter);
             let (code, said) = self.test(&self.executables[tests.target], tests)?;
@@ -190,7 +187,7 @@ impl Tree {
             let executable = if mutant.files.iter().all(|file| file.ends_with(".wgsl")) {
                 self.rewritten(&self.executables[tests.target], mutant, before)?
             } else {
-                self.build(tests.target).map_err(|e| format!("{}: {e}", mutant.name))?
+                self.build(tests.target, "mutant").map_err(|e| format!("{}: {e}", mutant.name))?
             };
             let (code, said) = self.test(&executable, tests)?;
             if code == Some(0) {
@@ -222,8 +219,9 @@ impl Tree {
         done(&mut git).map(|_| ())
     }
 
-    /// Builds the tests of a target in the copy; returns their executable.
-    fn build(&self, target: &[&str]) -> Result<PathBuf, String> {
+    /// Builds the tests of a target in the copy; returns a copy of their executable, as other builds may write one of the
+    /// same name.
+    fn build(&self, target: &[&str], name: &str) -> Result<PathBuf, String> {
         let mut cargo = Command::new(env::var_os("CARGO").unwrap_or("cargo".into()));
         cargo.args(["test", "--locked", "--no-run"]).args(target).current_dir(&self.copy);
         cargo.env("CARGO_TARGET_DIR", self.root.join("target"));
@@ -231,7 +229,10 @@ impl Tree {
         let said = String::from_utf8_lossy(&said.stderr).into_owned();
         let path = said.lines().filter_map(|line| line.trim().strip_prefix("Executable")?.rsplit_once('('));
         let path = path.last().map(|(_, path)| self.copy.join(path.trim_end_matches(')')));
-        path.ok_or(format!("cargo named no executable:\n{said}"))
+        let path = path.ok_or(format!("cargo named no executable:\n{said}"))?;
+        let kept = self.root.join("target/mutants").join(target.concat() + name);
+        fs::copy(&path, &kept).map_err(|e| format!("{}: {e}", path.display()))?;
+        Ok(kept)
     }
 
     /// A copy of the executable with the shaders of the mutant.

@@ -597,7 +597,8 @@ fn bands_are_rastered_almost_as_the_image_is() {
         let what = format!("{name}, viewport {viewport}: of {samples} samples {differ:?} differ, depths by {apart:e}");
         // In the viewport of the image each triangle covers the same samples, but the rasteriser interpolates from
         // another origin; a crop also moves the corners of triangles a little.
-        let most = if viewport { samples / 100_000 } else { samples / 1000 };
+        let grid = if crate::drivers::is_swiftshader(&pair.banded.gpu) { 300 } else { 1000 };
+        let most = if viewport { samples / 100_000 } else { samples / grid };
         assert!(differ[2] <= most && apart < 0.05, "{what}");
         eprintln!("{what}");
     }

