@@ -13,8 +13,6 @@ struct DaaDrawn {
     ids: vec2u,
     /// material | object << 16.
     identity: u32,
-    /// −1 if the instance mirrors its mesh, otherwise 1.
-    handedness: f32,
     /// The first vertex relative to the camera.
     a: vec3f,
     /// The unit normal of the plane, in which the vertices run counterclockwise.
@@ -65,7 +63,6 @@ fn daa_read_triangle(ids: vec2u) {
     let plane = product * inverse_area;
     daa_drawn.ids = ids;
     daa_drawn.identity = names.z;
-    daa_drawn.handedness = select(1.0, -1.0, dot(x.xyz, cross(y.xyz, z.xyz)) < 0.0);
     let point = vec4f(a, 1.0);
     daa_drawn.a = vec3f(dot(x, point), dot(y, point), dot(z, point));
     daa_drawn.plane = plane;
@@ -153,22 +150,24 @@ fn daa_inside(weights: vec2f) -> vec3f {
     return vec3f(1.0 - inner.x - inner.y, inner);
 }
 
-/// Which side of the triangle is seen: 1 if its vertices run counterclockwise in the mesh's own space, otherwise −1.
+/// Which side of the triangle is seen: 1 if its vertices run counterclockwise as they lie before the camera, otherwise
+/// −1.
 fn daa_drawn_side(facing: f32) -> f32 {
-    return select(-1.0, 1.0, facing * daa_drawn.handedness < 0.0);
+    return select(-1.0, 1.0, facing < 0.0);
 }
 
 /// The unit normal on the visible side.
 fn daa_drawn_normal(w: vec3f, facing: f32) -> vec3f {
     let own = daa_triangle_normal(daa_drawn.attributes, w);
-    // Normals go with the cofactors, which also hold where the matrix is singular.
+    // Normals go with the cofactors, as that of the plane does: where an instance mirrors its mesh, both turn around.
+    // They also hold where the matrix is singular.
     let normal = vec3f(
         dot(cross(daa_drawn.y, daa_drawn.z), own),
         dot(cross(daa_drawn.z, daa_drawn.x), own),
         dot(cross(daa_drawn.x, daa_drawn.y), own),
     );
     let squared = dot(normal, normal);
-    let unit = normal * (daa_drawn.handedness * daa_drawn_side(facing) * inverseSqrt(max(squared, 1e-36)));
+    let unit = normal * (daa_drawn_side(facing) * inverseSqrt(max(squared, 1e-36)));
     return select(daa_drawn_plane(facing), unit, squared > 1e-30);
 }
 
@@ -286,7 +285,7 @@ fn daa_attributes_at(at: vec2u, d: f32) -> DaaAttributes {
     let across = along - a.normal * dot(a.normal, along);
     let squared = dot(across, across);
     let tangent = select(daa_basis_x(a.normal), across * inverseSqrt(max(squared, 1e-36)), squared > 1e-30);
-    a.tangent = vec4f(tangent, own.w * daa_drawn.handedness * daa_drawn_side(met.facing));
+    a.tangent = vec4f(tangent, own.w * daa_drawn_side(met.facing));
     a.user = daa_triangle_user(daa_drawn.attributes, w);
     a.uv = daa_triangle_uv(daa_drawn.attributes, w);
     let sample = daa_sample_ndc();

@@ -94,8 +94,7 @@ impl Input<'_> {
         let inner = positive / (positive.x + positive.y).max(1.0);
         let w = [1.0 - inner.x - inner.y, inner.x, inner.y];
 
-        let handedness = if linear.determinant() < 0.0 { -1.0 } else { 1.0 };
-        let side = if facing * handedness < 0.0 { 1.0 } else { -1.0 };
+        let side = if facing < 0.0 { 1.0 } else { -1.0 };
         let attributes = corners.map(|i| mesh.attributes[i as usize]);
         let normals = attributes.map(|a| stored_normal(&a));
         let cofactors = DMat3::from_cols(
@@ -105,7 +104,7 @@ impl Input<'_> {
         );
         let plane = if facing > 0.0 { -t.plane } else { t.plane };
         let smooth = cofactors * weighted(normals, w);
-        let normal = (smooth * handedness * side).try_normalize().unwrap_or(plane);
+        let normal = (smooth * side).try_normalize().unwrap_or(plane);
         let tangents = [0, 1, 2].map(|i| stored_tangent(normals[i], &attributes[i]));
         let along = linear * weighted(tangents, w);
         let across = (along - normal * normal.dot(along)).normalize_or(DVec3::X);
@@ -122,7 +121,7 @@ impl Input<'_> {
             relative_position: point,
             normal,
             geometric_normal: plane,
-            tangent: across.extend(sign * handedness * side),
+            tangent: across.extend(sign * side),
             uv: uvs[0] * w[0] + uvs[1] * w[1] + uvs[2] * w[2],
             ddx: change(DVec2::X, x),
             ddy: change(DVec2::Y, y),

@@ -297,10 +297,10 @@ fn bands_of_one_tile_make_the_image_of_a_whole_frame() {
 
 #[test]
 fn goals_search_as_over_whole_frames() {
-    let mut pair = Pair::new("fence", 2, [75, 50]);
+    let mut pair = Pair::new("fence", 2, [43, 120]);
     let settings = Settings { goal: Some(Goal::Error(0.02)), ..Default::default() };
     let bands = pair.about(settings, 6);
-    assert!(bands.len() > 1);
+    assert!(bands.iter().any(|band| band.raster.y > 0), "tiles are counted from the image's first: {bands:?}");
     let mut efforts = Vec::new();
     for frame in 0..60 {
         let many = pair.assert_same(settings, &bands, &format!("frame {frame}"));

@@ -456,6 +456,9 @@ fn triangles_without_area_change_no_hit() {
             own.push((padded.len() / 3) as u32);
             padded.extend(triangle);
         }
+        let mesh = Mesh { name: "mesh", positions: &positions, indices: &padded, attributes: &[], masked: false };
+        let dropped = BottomLevel::build(&mesh).unwrap().dropped() as usize;
+        assert_eq!(dropped, (padded.len() - indices.len()) / 3);
         let [plain, other] = [tracer.add(&positions, &indices), tracer.add(&positions, &padded)];
         let mut seed = 13;
         let rays: Vec<_> = (0..100_000).map(|_| ray(2.0 * random3(&mut seed), random3(&mut seed))).collect();
@@ -557,7 +560,10 @@ fn a_world_far_away_is_traced_alike_on(mut tracer: Tracer) {
     let rays: Vec<_> = (0..4096).map(|_| ray(3.0 * random3(&mut seed), random3(&mut seed))).collect();
     let mut hits = [0.0, 131_072.0].map(|far| {
         let away = Vec3::splat(far);
-        tracer.place(&[(id, Affine3A::from_translation(away + Vec3::X))], away);
+        // Turned and stretched, so that its own coordinates round.
+        let turned = Quat::from_rotation_y(0.7) * Quat::from_rotation_x(0.3);
+        let world = Affine3A::from_scale_rotation_translation(vec3(0.7, 1.1, 0.9), turned, away + Vec3::X);
+        tracer.place(&[(id, world)], away);
         tracer.trace(&rays, false)
     });
     let [near, far] = &mut hits;

@@ -436,6 +436,11 @@ fn bad_values_behind_rays_are_counted() {
             assert!(counted > 1000 && counted <= 2 * rays[0], "{name}, {tier:?}: {counted} of {rays:?}");
             let other = codes.iter().zip(&sound).filter(|(code, sound)| **code != **sound);
             assert!(other.map(|(code, _)| shared_exponent::decode(*code)).all(|c| c.min_element() == 0.0), "{name}");
+            // Black that was traced is told from what was not.
+            let traced = |codes: &[u32]| codes.iter().filter(|&&code| code != 0).count();
+            if name != "a normal" {
+                assert_eq!(traced(&codes), traced(&sound), "{name}");
+            }
         }
     }
 }

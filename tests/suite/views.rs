@@ -280,8 +280,9 @@ fn resizing_two_hundred_times_keeps_memory_flat() {
     for i in 0..200 {
         let (((count, bytes), memory), ((count_then, bytes_then), memory_then)) = (run(i), before[i % 2]);
         assert_eq!((count, memory), (count_then, memory_then), "resize {i}");
-        // Some are aligned otherwise.
-        assert!(bytes.abs_diff(bytes_then) < 1024, "resize {i}: {bytes}, {bytes_then} before");
+        // Some are aligned otherwise, on SwiftShader by more.
+        let aligned = if crate::drivers::is_swiftshader(&gpu) { 8192 } else { 1024 };
+        assert!(bytes.abs_diff(bytes_then) < aligned, "resize {i}: {bytes}, {bytes_then} before");
     }
     assert_eq!(gpu.take_errors(), Vec::<String>::new());
 }
