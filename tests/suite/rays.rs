@@ -417,7 +417,7 @@ fn rays_along_axes_are_those_of_the_twin() {
     let rays: Vec<_> = (0..12_000)
         .map(|i: u32| {
             let origin = [(); 3].map(|()| (random(&mut seed) * 10.0).round() * 0.5 + 3.5);
-            let direction = [Vec3::X, Vec3::Y, Vec3::Z][i as usize % 3] * if i % 2 == 0 { 1.0 } else { -1.0 };
+            let direction = [Vec3::X, Vec3::Y, Vec3::Z][i as usize % 3] * if i.is_multiple_of(2) { 1.0 } else { -1.0 };
             ray(Vec3::from(origin), direction * [1.0, 9.5e-7, 1_048_576.0][i as usize / 6 % 3])
         })
         .collect();
