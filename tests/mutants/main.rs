@@ -7,7 +7,7 @@
 //! Row: the hard case
 //! Test: suite numerics::limits::row_19   the tests of tests/suite whose name holds that; `lib` and `demo` for the unit
 //!                                        tests of the library and of the demo; one of several lines must go red
-//! Driver: swiftshader                    only on that driver
+//! Driver: swiftshader                    run by `./x mutants --driver swiftshader` alone
 //! Equivalent: why nothing can notice it; the mutant is listed and not run
 //! ```
 //!
@@ -25,8 +25,8 @@ const MOST: Duration = Duration::from_secs(900);
 
 fn main() -> ExitCode {
     match run() {
-        Ok(0) => ExitCode::SUCCESS,
-        Ok(_) => ExitCode::FAILURE,
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
         Err(e) => {
             eprintln!("mutants: {e}");
             ExitCode::from(2)
@@ -34,40 +34,57 @@ fn main() -> ExitCode {
     }
 }
 
-/// The number of mutants that survived.
-fn run() -> Result<usize, String> {
+/// What became of a mutant.
+#[derive(Debug)]
+enum Verdict {
+    /// What the first test said that noticed.
+    Red(String),
+    Survived,
+    /// What the tests say that they lack, as the driver has not got it.
+    Skipped(String),
+    /// Why nothing can notice it.
+    Equivalent(String),
+    /// It is not applied or not built.
+    Broken(String),
+}
+
+/// Whether every mutant was red.
+fn run() -> Result<bool, String> {
     let mut arguments: Vec<String> = env::args().skip(1).collect();
     let mut driver = None;
     if arguments.first().is_some_and(|a| a == "--driver") {
         driver = arguments.drain(..2.min(arguments.len())).nth(1);
     }
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let wanted = |m: &Mutant| {
-        m.driver == driver && (arguments.is_empty() || arguments.iter().any(|name| m.name.starts_with(name.as_str())))
-    };
-    let mutants: Vec<Mutant> = all(&root.join("tests/mutants"))?.into_iter().filter(wanted).collect();
-    if mutants.is_empty() {
-        return Err(format!("no mutant of tests/mutants begins like {arguments:?}"));
+    let of_driver = |m: &Mutant| m.driver == driver;
+    let mut mutants: Vec<Mutant> = all(&root.join("tests/mutants"))?.into_iter().filter(of_driver).collect();
+    let begins = |m: &Mutant, name: &String| m.name.starts_with(name.as_str());
+    if let Some(name) = arguments.iter().find(|name| !mutants.iter().any(|m| begins(m, name))) {
+        let of = driver.map_or("of no driver's own".to_owned(), |driver| format!("of {driver}"));
+        return Err(format!("no mutant {of} begins like '{name}'"));
     }
+    mutants.retain(|m| arguments.is_empty() || arguments.iter().any(|name| begins(m, name)));
     let mut tree = Tree::new(root)?;
     tree.check(&mutants)?;
     println!("| mutant | row | verdict |\n|---|---|---|");
-    let (mut ran, mut survived) = (0, 0);
+    let mut counts = [0; 5];
     for mutant in &mutants {
-        let verdict = match &mutant.equivalent {
-            Some(why) => format!("equivalent: {why}"),
-            None => {
-                ran += 1;
-                tree.verdict(mutant)?.unwrap_or_else(|| {
-                    survived += 1;
-                    "**survived**".into()
-                })
+        let (kind, said) = match tree.verdict(mutant)? {
+            Verdict::Red(said) => (0, format!("red: {said}")),
+            Verdict::Survived => (1, "**survived**".into()),
+            Verdict::Skipped(lacks) => (2, format!("not run: {lacks}")),
+            Verdict::Equivalent(why) => (3, format!("equivalent: {why}")),
+            Verdict::Broken(e) => {
+                eprintln!("mutants: {}: {e}", mutant.name);
+                (4, "**broken**, see above".into())
             }
         };
-        println!("| {} | {} | {verdict} |", mutant.name, mutant.row);
+        counts[kind] += 1;
+        println!("| {} | {} | {} |", mutant.name, mutant.row, said.replace(['|', '\n'], " "));
     }
-    println!("\n{ran} mutants, {survived} survived");
-    Ok(survived)
+    let [red, survived, skipped, equivalent, broken] = counts;
+    println!("\n{red} red, {survived} survived, {skipped} not run, {equivalent} equivalent, {broken} broken");
+    Ok(survived + broken == 0)
 }
 
 /// A line `Test:`: the target of cargo, and what the names of its tests hold.
@@ -173,38 +190,43 @@ impl Tree {
         Ok(())
     }
 
-    /// What the first test that notices says; `None` if all pass.
-    fn verdict(&self, mutant: &Mutant) -> Result<Option<String>, String> {
+    fn verdict(&self, mutant: &Mutant) -> Result<Verdict, String> {
         let before: Vec<Vec<u8>> = mutant.files.iter().map(|file| self.read(file)).collect::<Result<_, _>>()?;
-        self.apply(&mutant.patch, &[]).map_err(|e| format!("{} no longer applies, write it anew: {e}", mutant.name))?;
-        let found = self.first_red(mutant, &before);
+        if let Err(e) = self.apply(&mutant.patch, &[]) {
+            return Ok(Verdict::Broken(format!("it no longer applies, write it anew: {e}")));
+        }
+        let found = match &mutant.equivalent {
+            Some(why) => Verdict::Equivalent(why.clone()),
+            None => self.first_red(mutant, &before).unwrap_or_else(Verdict::Broken),
+        };
         self.apply(&mutant.patch, &["-R"])?;
-        found
+        Ok(found)
     }
 
-    fn first_red(&self, mutant: &Mutant, before: &[Vec<u8>]) -> Result<Option<String>, String> {
+    fn first_red(&self, mutant: &Mutant, before: &[Vec<u8>]) -> Result<Verdict, String> {
+        let mut lacks = None;
         for tests in &mutant.tests {
             let executable = if mutant.files.iter().all(|file| file.ends_with(".wgsl")) {
                 self.rewritten(&self.executables[tests.target], mutant, before)?
             } else {
-                self.build(tests.target, "mutant").map_err(|e| format!("{}: {e}", mutant.name))?
+                self.build(tests.target, "mutant")?
             };
             let (code, said) = self.test(&executable, tests)?;
-            if code == Some(0) {
-                continue;
+            // A shader that does not compile is no mutant.
+            if ["Shader validation error", "parsing error", "ends inside"].iter().any(|e| said.contains(e)) {
+                return Err(format!("it does not compile:\n{said}"));
             }
             let mut lines = said.lines().skip_while(|line| !line.contains("panicked at")).skip(1);
-            let first: String = lines.next().unwrap_or(&said).chars().take(100).collect();
-            // A shader that does not compile is no mutant.
-            if said.contains("Shader validation error") || said.contains("parsing error") {
-                return Err(format!("{} does not compile:\n{said}", mutant.name));
+            let mut first = || lines.next().map(|line| line.chars().take(100).collect::<String>());
+            match code {
+                Some(0) => lacks = lacks.or(said.lines().find(|line| line.contains("skipped")).map(str::to_owned)),
+                // 101 is the code of tests that failed.
+                Some(101) => return first().map(Verdict::Red).ok_or(format!("no test says why it failed:\n{said}")),
+                Some(code) => return Ok(Verdict::Red(format!("the process ends with {code}"))),
+                None => return Ok(Verdict::Red("it hangs".into())),
             }
-            return Ok(Some(match code {
-                Some(_) => format!("red: {}", first.replace('|', "\\|")),
-                None => "red: it hangs".into(),
-            }));
         }
-        Ok(None)
+        Ok(lacks.map_or(Verdict::Survived, Verdict::Skipped))
     }
 
     fn read(&self, file: &str) -> Result<Vec<u8>, String> {
@@ -225,12 +247,14 @@ impl Tree {
         let mut cargo = Command::new(env::var_os("CARGO").unwrap_or("cargo".into()));
         cargo.args(["test", "--locked", "--no-run"]).args(target).current_dir(&self.copy);
         cargo.env("CARGO_TARGET_DIR", self.root.join("target"));
+        cargo.env("CARGO_TERM_COLOR", "never").env("CARGO_TERM_QUIET", "false");
         let said = done(&mut cargo)?;
         let said = String::from_utf8_lossy(&said.stderr).into_owned();
         let path = said.lines().filter_map(|line| line.trim().strip_prefix("Executable")?.rsplit_once('('));
         let path = path.last().map(|(_, path)| self.copy.join(path.trim_end_matches(')')));
         let path = path.ok_or(format!("cargo named no executable:\n{said}"))?;
-        let kept = self.root.join("target/mutants").join(target.concat() + name);
+        let target = target.concat().replace('-', "");
+        let kept = self.root.join("target/mutants").join(format!("{name}-{target}"));
         fs::copy(&path, &kept).map_err(|e| format!("{}: {e}", path.display()))?;
         Ok(kept)
     }
@@ -274,7 +298,7 @@ impl Tree {
         let folder =
             if tests.target.contains(&"deferred-aa-demo") { self.copy.join("demo") } else { self.copy.clone() };
         let mut child = Command::new(executable)
-            .arg(&tests.filter)
+            .args([tests.filter.as_str(), "--show-output"])
             .current_dir(folder)
             .env("RUST_BACKTRACE", "0")
             .stdin(Stdio::null())

@@ -58,7 +58,8 @@ fn row_25_positions_are_those_of_f64() {
     );
     let depths = [1.0, 0.5, 1e-3, 1e-6];
     rig.fill(|x, y| Sample { depth: depths[(x + y) as usize % 4], ..Default::default() });
-    // A near plane a thousandth of a millimetre away, one of a thin slice far away, and a slanted one.
+    // Near planes very near and far away, a finite range of eight magnitudes, a thin slice far away, and a slanted
+    // projection.
     let mut slanted = directx::perspective_infinite_reverse(1.0, 2.0, 0.1);
     slanted.x_axis.z = 0.03;
     slanted.y_axis.z = -0.02;

@@ -8,7 +8,7 @@ use deferred_aa::reference::metrics::SKY_DEPTH;
 use deferred_aa::reference::plan;
 use deferred_aa::{
     DepthMeasure, Execution, GBufferTier, Goal, Lent, Lifetime, LuminanceCurve, Needs, PartKind, Physical, RecordError,
-    Selective, SettingRange, SettingScale, Settings, Surfaces, Technique, Weight, Windowed, wgpu,
+    SettingRange, SettingScale, Settings, Surfaces, Technique, Weight, Windowed, wgpu,
 };
 
 // ---- Row 19: full lists ----
@@ -115,11 +115,11 @@ fn row_19_nothing_is_written_past_the_end_of_a_buffer() {
 }
 
 #[test]
-fn row_19_more_tiles_than_a_dimension_of_workgroups_are_all_planned() {
-    // 66 048 tiles, beyond the 65 535 workgroups of a dimension. Each has a colour of its own, and an edge of depth
-    // through its last column.
+fn row_19_lists_longer_than_a_dimension_of_workgroups_are_all_shaded() {
+    // 4.2 million pixels, each with more samples than one, are 66 048 workgroups of the list, more than the 65 535 of a
+    // dimension. Each tile has a colour of its own.
     const PAINT: &str = "
-@group(0) @binding(0) var<uniform> edge: vec4u;
+@group(0) @binding(0) var<uniform> tile_size: vec4u;
 struct Out {
     @builtin(frag_depth) depth: f32,
     @location(0) surface: vec2u,
@@ -130,48 +130,46 @@ struct Out {
     var f: DaaFragment;
     f.normal = vec3f(0.0, 0.0, 1.0);
     f.geometric_normal = f.normal;
-    let tile = vec2u(p.xy) / edge.xy;
+    let tile = vec2u(p.xy) / tile_size.xy;
     f.user = tile.x | (tile.y << 12u);
+    f.object = 1u + u32(p.x) % 2u;
     let g = daa_pack(f);
-    return Out(select(0.5, 0.2, u32(p.x) % edge.x == edge.x - 1u), g.surface, g.frame, g.uv);
+    return Out(0.5, g.surface, g.frame, g.uv);
 }";
     const SHOW_TILE: &str = "
 fn shade(s: DaaSample) -> vec4f { return vec4f(f32(s.user & 0xfffu), f32(s.user >> 12u), 0.0, 1.0); }";
     use wgpu::util::DeviceExt as _;
-    for (m, w, h, tiles) in [(1, 8192, 516, [1024, 65]), (2, 4096, 1032, [512, 129])] {
-        let mut rig = Rig::new(m, w, h, SHOW_TILE);
-        let gbuffer = rig.aa.gbuffer().expect("a size");
-        let source = format!("{}\n{PAINT}", GBufferTier::default().pack_wgsl());
-        let device = &rig.gpu.device;
-        let pipeline = covering(device, "paint", None, source, &GBufferTier::default().color_targets());
-        let edge = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-            label: None,
-            contents: bytemuck::bytes_of(&[8 * m, 8 * m, 0, 0]),
-            usage: wgpu::BufferUsages::UNIFORM,
-        });
-        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: None,
-            layout: &pipeline.get_bind_group_layout(0),
-            entries: &[wgpu::BindGroupEntry { binding: 0, resource: edge.as_entire_binding() }],
-        });
-        let mut encoder = device.create_command_encoder(&Default::default());
-        cover(&mut encoder, gbuffer, &pipeline, &group);
-        rig.gpu.queue.submit([encoder.finish()]);
-        for technique in [Technique::Windowed, Technique::Selective, Technique::Surfaces] {
-            // Without colours between pixels.
-            let selective = Selective { bilinear: false, ..Default::default() };
-            let output = rig.run(Settings { technique, selective, ..Default::default() });
-            if technique == Technique::Windowed && m == 2 {
-                // In each tile the eight windows of its last column have an edge, and more than one sample.
-                let edges = (0..).zip(&output.plan).filter(|(i, p)| i % w % 8 == 7 && p.0 > 1).count();
-                assert_eq!(edges, (w / 8 * h) as usize, "{technique:?}");
-            }
-            for (i, pixel) in (0..).zip(&output.image) {
-                let tile = [i % w / 8, i / w / 8];
-                assert!(tile[0] < tiles[0] && tile[1] < tiles[1]);
-                assert_eq!([pixel[0], pixel[1]], tile.map(|t| t as f32), "{technique:?}, m = {m}, {tile:?}");
-            }
+    let (m, w, h) = (2, 4096, 1032);
+    let mut rig = Rig::new(m, w, h, SHOW_TILE);
+    let gbuffer = rig.aa.gbuffer().expect("a size");
+    let source = format!("{}\n{PAINT}", GBufferTier::default().pack_wgsl());
+    let device = &rig.gpu.device;
+    let pipeline = covering(device, "paint", None, source, &GBufferTier::default().color_targets());
+    let tile_size = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+        label: None,
+        contents: bytemuck::bytes_of(&[8 * m, 8 * m, 0, 0]),
+        usage: wgpu::BufferUsages::UNIFORM,
+    });
+    let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: None,
+        layout: &pipeline.get_bind_group_layout(0),
+        entries: &[wgpu::BindGroupEntry { binding: 0, resource: tile_size.as_entire_binding() }],
+    });
+    let mut encoder = device.create_command_encoder(&Default::default());
+    cover(&mut encoder, gbuffer, &pipeline, &group);
+    rig.gpu.queue.submit([encoder.finish()]);
+    for execution in [Execution::Sorted, Execution::Packed] {
+        let output = rig.run(Settings { execution, ..fixed_k(4) });
+        assert_eq!(output.statistics.histogram_k[3], w * h, "{execution:?}");
+        for (i, pixel) in (0..).zip(&output.image) {
+            let tile = [i % w / 8, i / w / 8].map(|t| t as f32);
+            assert_eq!([pixel[0], pixel[1]], tile, "{execution:?}");
         }
+    }
+    for technique in [Technique::Single, Technique::Surfaces] {
+        let output = rig.run(Settings { technique, ..Default::default() });
+        let wrong = (0..).zip(&output.image).find(|(i, p)| [p[0], p[1]] != [i % w / 8, i / w / 8].map(|t| t as f32));
+        assert_eq!(wrong, None, "{technique:?}");
     }
 }
 
@@ -208,7 +206,8 @@ fn row_20_odd_sizes_are_cut_from_the_same_picture() {
             // Blocks begin at the image's corner.
             let alone = Surfaces { block_spread: 0.0, ..Default::default() };
             let surfaces = Settings { technique: Technique::Surfaces, surfaces: alone, ..Default::default() };
-            for settings in [full(), single(), loops, paper, surfaces, Settings::default()] {
+            let tiled = Settings { execution: Execution::Tiled, ..Default::default() };
+            for settings in [full(), single(), loops, tiled, paper, surfaces, Settings::default()] {
                 let (a, b) = (small.run(settings), large.run(settings));
                 for y in 0..h {
                     for x in 0..w {
