@@ -246,7 +246,9 @@ impl Tree {
     fn build(&self, target: &[&str], name: &str) -> Result<PathBuf, String> {
         let mut cargo = Command::new(env::var_os("CARGO").unwrap_or("cargo".into()));
         cargo.args(["test", "--locked", "--no-run"]).args(target).current_dir(&self.copy);
-        cargo.env("CARGO_TARGET_DIR", self.root.join("target"));
+        // The dependencies are those of the tree, but cargo must not take a mutant for the tree itself: it tells them by
+        // their profile, not by where they lie.
+        cargo.env("CARGO_TARGET_DIR", self.root.join("target")).env("CARGO_PROFILE_DEV_DEBUG", "0");
         cargo.env("CARGO_TERM_COLOR", "never").env("CARGO_TERM_QUIET", "false");
         let said = done(&mut cargo)?;
         let said = String::from_utf8_lossy(&said.stderr).into_owned();
