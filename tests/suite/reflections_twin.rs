@@ -443,4 +443,14 @@ fn bad_values_behind_rays_are_counted() {
             }
         }
     }
+    // Radiance below the least that a code holds is black, however small its exponent is.
+    for dim in ["1e-7", "1e-30"] {
+        let mut node = Node::with(RayTier::Software, &hooks(&format!("c = vec3f({dim});"), ""));
+        let (_, codes, _) = node.render(&scene, &camera);
+        let seen = codes.iter().filter(|&&code| code != 0).map(|&code| shared_exponent::decode(code).max_element());
+        assert!(seen.clone().count() > 1000 && seen.fold(0.0, f64::max) <= 1.0, "{dim}");
+        let met =
+            codes.iter().filter(|&&code| code != 0 && shared_exponent::decode(code).max_element() <= 1e-6).count();
+        assert!(met > 1000, "{dim}: {met}");
+    }
 }

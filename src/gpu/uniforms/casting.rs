@@ -93,7 +93,7 @@ impl CastingLight {
         match *self {
             Self::Directional { towards } => Some(LightUniform { position: unit(towards)?, ..Default::default() }),
             Self::Punctual { position, range, cone } => {
-                let relative = (position.as_dvec3() - camera.as_dvec3()).as_vec3();
+                let relative = position - camera;
                 let (direction, cone) = match cone {
                     Some((axis, angle)) => (unit(axis)?, angle.cos()),
                     None => ([0.0; 3], -1.0),
