@@ -159,9 +159,9 @@ impl Tree {
             fs::remove_dir_all(&copy).map_err(|e| format!("{}: {e}", copy.display()))?;
         }
         fs::create_dir_all(&copy).map_err(|e| format!("{}: {e}", copy.display()))?;
-        // With their times, so that cargo builds anew only what has changed.
+        // With new times, or cargo might take what it built of the last mutant for this.
         let mut cp = Command::new("cp");
-        cp.arg("-Rp").args(["Cargo.toml", "Cargo.lock", "README.md", "CHANGELOG.md"]);
+        cp.arg("-R").args(["Cargo.toml", "Cargo.lock", "README.md", "CHANGELOG.md"]);
         cp.args(["src", "shaders", "docs", "demo", "tests", "benches", "examples"]).arg(&copy).current_dir(root);
         done(&mut cp)?;
         Ok(Self { root: root.to_owned(), copy, executables: HashMap::new() })
