@@ -97,7 +97,8 @@ impl World {
             let told = format!("{:?}, {ray:?}: {hit:?}, any {any:?}", tracer.tier);
             assert!(hit.instance != MISS || hit.t == ray.t_max, "{told}");
             assert!(
-                self.explains(&mut random, ray, hit) || is_query && twin::margin(&wide(ray), &self.triangles) < 1e-4,
+                self.explains(&mut random, ray, hit, if is_query { 256.0 } else { 16.0 })
+                    || is_query && twin::margin(&wide(ray), &self.triangles) < 1e-4,
                 "{told}, twin {:?}",
                 twin::closest(&wide(ray), &self.triangles)
             );
@@ -127,8 +128,8 @@ impl World {
     }
 
     /// Whether the twin explains a hit: nothing is there, for the ray or one beside it, or the triangle is where the ray
-    /// passes and nothing covers it.
-    fn explains(&self, random: &mut Random, ray: &GpuRay, hit: &GpuHit) -> bool {
+    /// passes and nothing covers it. Triangles that look thinner than `thin` roundings may be missed.
+    fn explains(&self, random: &mut Random, ray: &GpuRay, hit: &GpuHit, thin: f64) -> bool {
         let (wide, rounding) = (wide(ray), self.rounding(ray));
         let own = self.owners.iter().position(|owner| (owner.0, owner.1) == (hit.instance, hit.triangle));
         let reach = match own {
@@ -138,7 +139,9 @@ impl World {
             None => return false,
         };
         let is_free = |ray: &Ray| twin::closest(ray, &self.triangles).is_none_or(|nearest| nearest.t >= reach);
-        is_free(&wide) || (0..400).any(|_| is_free(&beside(random, &wide, rounding))) || self.is_thin(&wide, rounding)
+        is_free(&wide)
+            || (0..400).any(|_| is_free(&beside(random, &wide, rounding)))
+            || self.is_thin(&wide, thin * rounding)
     }
 
     /// How far rounding moves a ray or a vertex.
@@ -164,11 +167,11 @@ impl World {
                     && (hit.front == 1) == ((slope < 0.0) != self.owners[own].2))
     }
 
-    /// Whether a triangle that the ray hits looks thinner than rounding.
-    fn is_thin(&self, ray: &Ray, rounding: f64) -> bool {
-        self.triangles.iter().any(|&triangle| {
-            twin::closest(ray, &[triangle]).is_some() && height(triangle, ray.direction) < 16.0 * rounding
-        })
+    /// Whether a triangle that the ray hits looks thinner than that.
+    fn is_thin(&self, ray: &Ray, most: f64) -> bool {
+        self.triangles
+            .iter()
+            .any(|&triangle| twin::closest(ray, &[triangle]).is_some() && height(triangle, ray.direction) < most)
     }
 
     /// Whether the nearest and any hit may disagree on whether there is one: near an edge, or at the reach.

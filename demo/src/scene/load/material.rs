@@ -109,11 +109,23 @@ impl<'a> MaterialTable<'a> {
     }
 
     /// A material like another whose maps take the coordinates of their set from those of one set, by these rows; maps
-    /// whose set has none are left out.
+    /// whose set has none are left out, and those that this leads beyond f32, with a notice.
     pub fn on_one_set(&mut self, material: usize, rows: impl Fn(u32) -> Option<[Vec3; 2]>) -> usize {
         let mut variant = self.materials[material].clone();
-        for (map, set) in variant.textures_mut().into_iter().zip(self.uv_sets[material]) {
+        let mut lost = None;
+        for ((map, set), name) in variant.textures_mut().into_iter().zip(self.uv_sets[material]).zip(MAPS) {
             *map = map.zip(set).and_then(|(map, set)| rows(set).map(|rows| map.after(rows)));
+            if map.is_some_and(|map| !(map.u_row.is_finite() && map.v_row.is_finite())) {
+                *map = None;
+                lost = Some(name);
+            }
+        }
+        if let Some(map) = lost {
+            let notice =
+                format!("material '{}': its {map} is left out where its coordinates are too large", variant.name);
+            if !self.notices.contains(&notice) {
+                self.notice(notice);
+            }
         }
         let bits = |map: &mut Option<TextureRef>| {
             map.map(|map| {

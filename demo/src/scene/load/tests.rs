@@ -808,6 +808,27 @@ fn assert_uvs(found: &[Vec2], right: &[[f32; 2]]) {
 }
 
 #[test]
+fn coordinates_too_large_for_a_transform_leave_their_map_out() {
+    let mut model = Model::triangle();
+    model.texture();
+    for (name, uvs) in
+        [("TEXCOORD_0", [0.0, 0.0, 1.0, 0.0, 0.0, 1.0]), ("TEXCOORD_1", [0.0, 0.0, 3e38, 0.0, 0.0, 3e38])]
+    {
+        let accessor = model.floats("VEC2", &uvs);
+        model.attribute(name, accessor);
+    }
+    let scaled = json!({ "KHR_texture_transform": { "scale": [3, 3], "texCoord": 1 } });
+    model.material(json!({
+        "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } },
+        "emissiveTexture": { "index": 0, "extensions": scaled },
+    }));
+    let scene = model.scene();
+    assert_eq!(scene.validate(), Ok(()));
+    let material = &scene.materials[scene.meshes[0].material];
+    assert!(material.base_color_texture.is_some() && material.emissive_texture.is_none());
+}
+
+#[test]
 fn each_map_reads_its_own_set() {
     let first = [[0.0, 0.0], [4.0, 0.0], [0.0, 4.0], [4.0, 4.0]];
     // Turned, and clear of the first.
