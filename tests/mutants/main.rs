@@ -60,8 +60,8 @@ fn run() -> Result<bool, String> {
     let mut mutants: Vec<Mutant> = all(&root.join("tests/mutants"))?.into_iter().filter(of_driver).collect();
     let begins = |m: &Mutant, name: &String| m.name.starts_with(name.as_str());
     if let Some(name) = arguments.iter().find(|name| !mutants.iter().any(|m| begins(m, name))) {
-        let of = driver.map_or("of no driver's own".to_owned(), |driver| format!("of {driver}"));
-        return Err(format!("no mutant {of} begins like '{name}'"));
+        let driver = driver.as_deref().unwrap_or("any driver");
+        return Err(format!("no mutant for {driver} begins like '{name}'"));
     }
     mutants.retain(|m| arguments.is_empty() || arguments.iter().any(|name| begins(m, name)));
     let mut tree = Tree::new(root)?;
