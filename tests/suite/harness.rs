@@ -299,6 +299,16 @@ struct Raw {
     padding: [u32; 3],
 }
 
+/// What `fragment` of a source for [`covering`] returns, on the default G-buffer.
+pub const OUT: &str = "
+struct Out {
+    @builtin(frag_depth) depth: f32,
+    @location(0) surface: vec2u,
+    @location(1) frame: vec2u,
+    @location(2) uv: vec4u,
+}
+";
+
 const FILL: &str = "
 struct Raw {
     normal: vec3f, depth: f32, tangent: vec4f, uv: vec2f, ddx: vec2f, ddy: vec2f,
@@ -306,12 +316,6 @@ struct Raw {
 }
 @group(0) @binding(0) var<storage, read> samples: array<Raw>;
 @group(0) @binding(1) var<uniform> width: vec4u;
-struct Out {
-    @builtin(frag_depth) depth: f32,
-    @location(0) surface: vec2u,
-    @location(1) frame: vec2u,
-    @location(2) uv: vec4u,
-}
 @fragment fn fragment(@builtin(position) p: vec4f) -> Out {
     let r = samples[u32(p.y) * width.x + u32(p.x)];
     var f: DaaFragment;
@@ -423,7 +427,7 @@ pub fn fill(gpu: &Gpu, gbuffer: &GBuffer, sample: impl Fn(u32, u32) -> Sample) {
     };
     let samples = buffer(bytemuck::cast_slice(&raw), wgpu::BufferUsages::STORAGE);
     let width = buffer(bytemuck::bytes_of(&[gbuffer.width, 0, 0, 0]), wgpu::BufferUsages::UNIFORM);
-    let source = format!("{}\n{FILL}", GBufferTier::default().pack_wgsl());
+    let source = format!("{}\n{OUT}{FILL}", GBufferTier::default().pack_wgsl());
     let pipeline = covering(&gpu.device, "fill", None, source, &GBufferTier::default().color_targets());
     let bind_group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
         label: None,

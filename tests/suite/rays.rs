@@ -61,6 +61,12 @@ fn ray(origin: Vec3, direction: Vec3) -> GpuRay {
     GpuRay { origin, t_min: 0.0, direction, t_max: 1e30 }
 }
 
+/// The same ray in f64.
+pub fn wide(ray: &GpuRay) -> Ray {
+    let [origin, direction] = [ray.origin, ray.direction].map(Vec3::as_dvec3);
+    Ray { origin, direction, t_min: ray.t_min.into(), t_max: ray.t_max.into() }
+}
+
 pub struct Tracer {
     pub tier: RayTier,
     pub gpu: Gpu,
@@ -240,12 +246,7 @@ fn assert_as_twin(tracer: &Tracer, triangles: &[[DVec3; 3]], owners: &[(u32, u32
     let any = tracer.trace(rays, true);
     let mut near = 0;
     for ((gpu, hit), any) in rays.iter().zip(&closest).zip(&any) {
-        let ray = Ray {
-            origin: gpu.origin.as_dvec3(),
-            direction: gpu.direction.as_dvec3(),
-            t_min: f64::from(gpu.t_min),
-            t_max: f64::from(gpu.t_max),
-        };
+        let ray = wide(gpu);
         let expected = twin::closest(&ray, triangles);
         let same = match expected {
             None => hit.instance == MISS && any.instance == MISS && hit.t == gpu.t_max,
@@ -424,12 +425,7 @@ fn rays_along_axes_are_those_of_the_twin() {
     let [closest, any] = [false, true].map(|any| tracer.trace(&rays, any));
     let mut met = 0;
     for ((gpu, hit), any) in rays.iter().zip(&closest).zip(&any) {
-        let ray = Ray {
-            origin: gpu.origin.as_dvec3(),
-            direction: gpu.direction.as_dvec3(),
-            t_min: f64::from(gpu.t_min),
-            t_max: f64::from(gpu.t_max),
-        };
+        let ray = wide(gpu);
         let expected = twin::closest(&ray, &triangles).map(|e| e.t);
         assert_eq!(any.instance != MISS, expected.is_some(), "{gpu:?}: {hit:?}, {expected:?}");
         let found = (hit.instance != MISS).then_some(f64::from(hit.t));

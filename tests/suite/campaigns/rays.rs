@@ -3,7 +3,7 @@
 
 use super::Campaign;
 use super::random::Random;
-use crate::rays::{GpuHit, GpuRay, MISS, Tracer, sphere};
+use crate::rays::{GpuHit, GpuRay, MISS, Tracer, sphere, wide};
 use crate::visibility::adapter;
 use deferred_aa::glam::{Affine3A, DAffine3, DVec3, Mat3, Vec3};
 use deferred_aa::rays::{QUERY_FEATURES, RayScene, RayTier};
@@ -211,11 +211,6 @@ fn height(triangle: [DVec3; 3], along: DVec3) -> f64 {
     let [a, b, c] = triangle.map(|v| v.reject_from(along));
     let longest = [b - a, c - b, a - c].map(DVec3::length).into_iter().fold(0.0, f64::max);
     (b - a).cross(c - a).length() / longest.max(f64::MIN_POSITIVE)
-}
-
-fn wide(ray: &GpuRay) -> Ray {
-    let [origin, direction] = [ray.origin, ray.direction].map(Vec3::as_dvec3);
-    Ray { origin, direction, t_min: ray.t_min.into(), t_max: ray.t_max.into() }
 }
 
 /// A ray whose origin and end are off by up to `error`.

@@ -1,7 +1,7 @@
 //! Rows 19, 20 and 22: lists, sizes and settings at their ends.
 
 use super::{SHOW_FLOAT, assert_finite, counts, land, presets};
-use crate::harness::{Rig, SHOW_USER, Sample, WHITE, cover, covering, noise};
+use crate::harness::{OUT, Rig, SHOW_USER, Sample, WHITE, cover, covering, noise};
 use crate::textures::{fixed_k, full, single};
 use deferred_aa::glam::{Mat4, Vec3, Vec4};
 use deferred_aa::reference::metrics::SKY_DEPTH;
@@ -120,12 +120,6 @@ fn row_19_lists_longer_than_a_dimension_of_workgroups_are_all_shaded() {
     // dimension. Each tile has a colour of its own.
     const PAINT: &str = "
 @group(0) @binding(0) var<uniform> tile_size: vec4u;
-struct Out {
-    @builtin(frag_depth) depth: f32,
-    @location(0) surface: vec2u,
-    @location(1) frame: vec2u,
-    @location(2) uv: vec4u,
-}
 @fragment fn fragment(@builtin(position) p: vec4f) -> Out {
     var f: DaaFragment;
     f.normal = vec3f(0.0, 0.0, 1.0);
@@ -142,7 +136,7 @@ fn shade(s: DaaSample) -> vec4f { return vec4f(f32(s.user & 0xfffu), f32(s.user 
     let (m, w, h) = (2, 4096, 1032);
     let mut rig = Rig::new(m, w, h, SHOW_TILE);
     let gbuffer = rig.aa.gbuffer().expect("a size");
-    let source = format!("{}\n{PAINT}", GBufferTier::default().pack_wgsl());
+    let source = format!("{}\n{OUT}{PAINT}", GBufferTier::default().pack_wgsl());
     let device = &rig.gpu.device;
     let pipeline = covering(device, "paint", None, source, &GBufferTier::default().color_targets());
     let tile_size = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
