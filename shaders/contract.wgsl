@@ -4,6 +4,9 @@
 /// The number of samples along one side of a pixel's window; n = m².
 override DAA_M: u32 = 1u;
 
+/// `DaaSample::texel` of what has none.
+const DAA_NO_TEXEL: vec2u = vec2u(0xffffffffu);
+
 /// One sample of the G-buffer: the argument of `shade`, `material`, `sky` and `reflection`.
 struct DaaSample {
     /// Position in world space.
@@ -36,6 +39,9 @@ struct DaaSample {
     ddy: vec2f,
     /// The pixel of the image, whether or not that is rendered in bands.
     pixel: vec2u,
+    /// The texel of the G-buffer that holds the sample, for textures of the host's own that are rendered beside it. What
+    /// a ray hits has none: `DAA_NO_TEXEL`.
+    texel: vec2u,
     /// Radiance from reflection and refraction rays, to be added to the result unchanged. 0 where the crate adds it
     /// itself.
     reflected: vec3f,

@@ -103,6 +103,10 @@ pub use {glam, wgpu};
 /// The index of the host's bind group: its WGSL binds at `@group(2)`.
 pub const HOST_GROUP: u32 = 2;
 
+/// The index of a second bind group of the host's, where no texture table takes it ([`TextureTier::None`]):
+/// [`DeferredAa::with_groups`].
+pub const SECOND_HOST_GROUP: u32 = 1;
+
 /// All the WGSL that a host's shading may use, except for the texture table ([`DeferredAa::texture_wgsl`]). The node
 /// appends it to the host's source; it is public for tools that parse that source by themselves.
 pub const CONTRACT_WGSL: &str = wgsl::chunk::CONTRACT;

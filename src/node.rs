@@ -10,7 +10,7 @@ use crate::gpu::modules::binds_host;
 use crate::gpu::pipelines::{self, Build, PipelineKind, Pipelines};
 use crate::gpu::readback::collector::{Collector, Recorded};
 use crate::gpu::readback::input_check::InputCheck;
-use crate::gpu::recording::{ReadyPass, ReadyStage, Recording, Run};
+use crate::gpu::recording::{Binds, ReadyPass, ReadyStage, Recording, Run};
 use crate::gpu::resources::{SizedResources, Within, binding_limit, check_size};
 use crate::gpu::shape::{Kind, shape};
 use crate::gpu::sizes::{self, FIXED, Results, Shape, workgroups};
@@ -111,6 +111,17 @@ impl DeferredAa {
         descriptor: &Descriptor<'_>,
         host_layout: Option<&wgpu::BindGroupLayout>,
     ) -> Result<Self, BuildError> {
+        Self::with_groups(device, descriptor, [host_layout, None])
+    }
+
+    /// Builds the node as [`new`](Self::new) does, for a host that binds at [`HOST_GROUP`](crate::HOST_GROUP) and at
+    /// [`SECOND_HOST_GROUP`](crate::SECOND_HOST_GROUP), in this order: for instance uniforms in one group and binding
+    /// arrays in the other, as wgpu allows no group to have both. A second layout needs [`TextureTier::None`].
+    pub fn with_groups(
+        device: &wgpu::Device,
+        descriptor: &Descriptor<'_>,
+        host_layouts: [Option<&wgpu::BindGroupLayout>; 2],
+    ) -> Result<Self, BuildError> {
         if !(1..=MAX_M).contains(&descriptor.m) {
             return Err(BuildError::WindowSize(descriptor.m));
         }
@@ -138,6 +149,10 @@ impl DeferredAa {
             }
         }
         let tables = Tables::new(device, descriptor.textures, descriptor.texture_capacity);
+        let [host_layout, second_layout] = host_layouts.map(|layout| layout.cloned());
+        if tables.is_some() && second_layout.is_some() {
+            return Err(BuildError::SecondGroup);
+        }
         let build = Build {
             device: device.clone(),
             m: descriptor.m,
@@ -146,8 +161,8 @@ impl DeferredAa {
             gbuffer: descriptor.gbuffer,
             rays: descriptor.rays,
             frame_layouts: RayInputs::ALL.map(|inputs| frame_layout(device, descriptor.gbuffer, inputs)),
-            table_layout: tables.as_ref().map(|t| t.layout.clone()),
-            host_layout: host_layout.cloned(),
+            second_layout: tables.as_ref().map(|t| t.layout.clone()).or(second_layout),
+            host_layout,
         };
         let pipelines = Pipelines::new(build);
         // Compiled now, so that a layout that does not fit the WGSL is an error here and not in the first frame.
@@ -618,9 +633,13 @@ impl DeferredAa {
             let stages = data.stages.iter().map(stage).collect::<Result<_, RecordError>>()?;
             let (found, compiled) = if data.reads_found() { (inputs, set) } else { Default::default() };
             let hosts = binds_host(data.module.base, &build.host);
-            let hosts = [hosts && tables.is_some(), hosts && build.host_layout.is_some()];
+            let binds = Binds {
+                table: hosts && tables.is_some(),
+                second: hosts && tables.is_none() && build.second_layout.is_some(),
+                host: hosts && build.host_layout.is_some(),
+            };
             let frame = resources.frame(build, buffers, found, compiled, frame.needs.rays);
-            Ok(ReadyPass { pass, frame, hosts, stages })
+            Ok(ReadyPass { pass, frame, binds, stages })
         };
         let passes = passes(settings, inputs, steps.clone()).map(make_ready).collect::<Result<_, RecordError>>()?;
         self.prepared = Some(Prepared { steps, shape: *shape, scene, set, passes });
@@ -658,6 +677,9 @@ impl DeferredAa {
         }
         if self.tables.is_some() && frame.textures.is_none() {
             return Err(RecordError::Textures);
+        }
+        if self.tables.is_none() && self.build().second_layout.is_some() && frame.second_bind_group.is_none() {
+            return Err(RecordError::SecondBindGroup);
         }
         let image = frame.viewport.unwrap_or(Rect::of(band.image));
         let Rect { x, y, width, height } = band.output;

@@ -73,6 +73,7 @@ fn daa_met(pixel: vec2u, rank: u32, ray: DaaRay, hit: DaaHit, cone: DaaCone) -> 
     var s: DaaSample;
     s.pixel = pixel + daa_frame.origin;
     s.rank = rank;
+    s.texel = DAA_NO_TEXEL;
     s.relative_position = p;
     s.position = p + daa_frame.camera_position;
     s.depth = max(hit.t, 1e-30);
@@ -115,6 +116,7 @@ fn daa_sky_towards(pixel: vec2u, rank: u32, direction: vec3f) -> vec3f {
     var s: DaaSample;
     s.pixel = pixel + daa_frame.origin;
     s.rank = rank;
+    s.texel = DAA_NO_TEXEL;
     s.view = -direction;
     s.relative_position = direction;
     s.position = direction + daa_frame.camera_position;

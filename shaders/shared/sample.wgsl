@@ -112,6 +112,7 @@ fn daa_fetch(pixel: vec2u, rank: u32, footprint: f32, offset: vec2f) -> DaaSampl
     var s: DaaSample;
     s.pixel = pixel + daa_frame.origin;
     s.rank = rank;
+    s.texel = at;
     let relative = a.relative_position;
     let towards = select(-relative, -daa_frame.camera_forward, daa_frame.orthographic != 0u);
     s.view = towards * inverseSqrt(max(dot(towards, towards), 1e-30));

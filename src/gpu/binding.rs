@@ -11,7 +11,10 @@ use crate::host::graph::{Part, PassKind, Resource, ResourceSet, Rounds, Stage};
 use crate::host::needs::RayInputs;
 use crate::rays::RayTier;
 
-/// The group of a pass's own bindings. Group 0 belongs to the frame, 1 to the texture table, 2 to the host.
+/// The group of the texture table; where there is none, it is the host's second one.
+pub(crate) const TABLE_GROUP: u32 = 1;
+
+/// The group of a pass's own bindings. Group 0 belongs to the frame, 2 to the host.
 pub(crate) const OWN_GROUP: u32 = 3;
 
 /// A resource that passes bind.

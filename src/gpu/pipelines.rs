@@ -27,8 +27,8 @@ pub(crate) struct Build {
     pub rays: Option<RayTier>,
     /// The layouts of `@group(0)`, by [`RayInputs::index`].
     pub frame_layouts: [wgpu::BindGroupLayout; RayInputs::COUNT],
-    /// The layout of `@group(1)`: the texture table.
-    pub table_layout: Option<wgpu::BindGroupLayout>,
+    /// The layout of `@group(1)`: the texture table, or the host's second group.
+    pub second_layout: Option<wgpu::BindGroupLayout>,
     /// The layout of `@group(2)`: the host's.
     pub host_layout: Option<wgpu::BindGroupLayout>,
 }
@@ -183,12 +183,12 @@ impl Build {
             let own = binding::layout(&self.device, pass, stage, tier);
             let hosts = modules::binds_host(pass.module.base, &self.host);
             let host = |layout: &'_ Option<wgpu::BindGroupLayout>| layout.clone().filter(|_| hosts);
-            let (table, host) = (host(&self.table_layout), host(&self.host_layout));
+            let (second, host) = (host(&self.second_layout), host(&self.host_layout));
             let layout = self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
                 label: Some(name),
                 bind_group_layouts: &[
                     Some(&self.frame_layouts[set.index()]),
-                    table.as_ref(),
+                    second.as_ref(),
                     host.as_ref(),
                     Some(&own),
                 ],

@@ -1,6 +1,6 @@
 //! A frame that is being recorded, pass by pass.
 
-use crate::gpu::binding::{OWN_GROUP, Slot};
+use crate::gpu::binding::{OWN_GROUP, Slot, TABLE_GROUP};
 use crate::gpu::buffers::NodeBuffers;
 use crate::gpu::readback::collector::{Collector, Recorded};
 use crate::gpu::resources::SizedResources;
@@ -10,6 +10,7 @@ use crate::host::band::Rect;
 use crate::host::error::RecordError;
 use crate::host::frame::Frame;
 use crate::host::graph::{Part, Resource, Rounds, Stage};
+use crate::{HOST_GROUP, SECOND_HOST_GROUP};
 
 /// A frame that is being recorded. If it is dropped without [`finish`](Self::finish), it has no statistics.
 #[derive(Debug)]
@@ -33,9 +34,17 @@ pub(crate) struct ReadyPass {
     pub pass: Pass,
     /// Group 0.
     pub frame: wgpu::BindGroup,
-    /// Whether the texture table's group is bound, and the host's.
-    pub hosts: [bool; 2],
+    pub binds: Binds,
     pub stages: Vec<ReadyStage>,
+}
+
+/// Which groups are bound that are neither the frame's nor the pass's own.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Binds {
+    pub table: bool,
+    pub host: bool,
+    /// In the table's place.
+    pub second: bool,
 }
 
 #[derive(Debug)]
@@ -96,11 +105,15 @@ impl Recording<'_> {
         });
         let constants = self.buffers.frames.offset(self.slot, 0);
         compute.set_bind_group(0, &own.frame, &[constants]);
-        if let (true, Some(table)) = (own.hosts[0], self.frame.textures) {
-            compute.set_bind_group(1, &table.bind_group, &[]);
+        let [offsets, second_offsets] = self.frame.host_offsets;
+        if let (true, Some(table)) = (own.binds.table, self.frame.textures) {
+            compute.set_bind_group(TABLE_GROUP, &table.bind_group, &[]);
         }
-        if let (true, Some(host)) = (own.hosts[1], self.frame.host_bind_group) {
-            compute.set_bind_group(crate::HOST_GROUP, host, &[]);
+        if let (true, Some(second)) = (own.binds.second, self.frame.second_bind_group) {
+            compute.set_bind_group(SECOND_HOST_GROUP, second, second_offsets);
+        }
+        if let (true, Some(host)) = (own.binds.host, self.frame.host_bind_group) {
+            compute.set_bind_group(HOST_GROUP, host, offsets);
         }
         let SizedResources { size, m, .. } = *self.resources;
         let mut bound = None;

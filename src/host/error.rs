@@ -5,6 +5,7 @@ use crate::host::gbuffer::Ids;
 use crate::host::graph::Part;
 use crate::rays::RayTier;
 use crate::settings::{Execution, Pattern, SettingsError};
+use crate::{HOST_GROUP, SECOND_HOST_GROUP};
 use std::fmt;
 
 /// [`DeferredAa::new`](crate::DeferredAa::new) could not build the node.
@@ -32,6 +33,11 @@ pub enum BuildError {
         "rays start along the geometric normal; set Channels::geometric_normal in Descriptor::gbuffer, or Descriptor::rays to None"
     )]
     RayChannel,
+    /// The host has a second bind group layout where the texture table has its group.
+    #[error(
+        "group {SECOND_HOST_GROUP} is the texture table's; the host's second layout needs TextureTier::None, put its bindings into group {HOST_GROUP}"
+    )]
+    SecondGroup,
     /// The host's WGSL is wrong.
     #[error(transparent)]
     Shading(#[from] ShadingError),
@@ -373,6 +379,9 @@ pub enum RecordError {
     /// The node was built with a bind group layout, but the frame has no bind group.
     #[error("the host's WGSL was built with a bind group layout, the frame has no host_bind_group; set it")]
     HostBindGroup,
+    /// The node was built with a second bind group layout, but the frame has no second bind group.
+    #[error("the host's WGSL was built with a second bind group layout, the frame has no second_bind_group; set it")]
+    SecondBindGroup,
     /// The descriptor has a texture tier, but the frame has no texture table.
     #[error(
         "the node was built with a texture tier, the frame has no table; set Frame::textures, an empty table if there are none"
@@ -668,17 +677,16 @@ pub enum ShadingErrorKind {
     /// The source redeclares a built-in of WGSL that the crate's own code uses.
     #[error("`{0}` is a built-in of WGSL that deferred-aa's own code uses; rename this one")]
     Clash(String),
-    /// The source binds a variable outside the host's group.
-    #[error("`{name}` is bound to @group({group}); the host has @group({}) alone, bind it there", crate::HOST_GROUP)]
+    /// The source binds a variable outside the host's groups.
+    #[error(
+        "`{name}` is bound to @group({group}); the host has @group({HOST_GROUP}), and with TextureTier::None also @group({SECOND_HOST_GROUP}): bind it there"
+    )]
     Group {
         /// The name of the variable.
         name: String,
         /// The group of the variable.
         group: u32,
     },
-    /// The source has an entry point.
-    #[error("`{0}` is an entry point; the crate brings its own, remove @compute, @vertex or @fragment")]
-    EntryPoint(String),
     /// The source reads an attribute that the G-buffer does not keep.
     #[error("`{0}` is not kept in the G-buffer; set it in the Channels of Descriptor::gbuffer, or don't read it")]
     Channel(&'static str),

@@ -31,6 +31,11 @@ pub struct Frame<'a> {
     /// The host's bind group, set at [`HOST_GROUP`](crate::HOST_GROUP) in the passes that run its WGSL. Required if
     /// [`new`](crate::DeferredAa::new) was given a layout.
     pub host_bind_group: Option<&'a wgpu::BindGroup>,
+    /// The host's second bind group, set at [`SECOND_HOST_GROUP`](crate::SECOND_HOST_GROUP). Required if
+    /// [`with_groups`](crate::DeferredAa::with_groups) was given a second layout.
+    pub second_bind_group: Option<&'a wgpu::BindGroup>,
+    /// The dynamic offsets of the host's bind group and of its second one, as many as their layouts have.
+    pub host_offsets: [&'a [u32]; 2],
     /// The textures that `daa_texture` reads. Required if the descriptor has a texture tier.
     pub textures: Option<&'a TextureTable>,
     /// The view that the image is written to. It has the size of the node, or holds the [`viewport`](Self::viewport),
@@ -56,13 +61,15 @@ pub struct Frame<'a> {
 }
 
 impl<'a> Frame<'a> {
-    /// A frame with the default settings, exposure 1, and no host bind group, textures, depth, needs or statistics.
+    /// A frame with the default settings, exposure 1, and no host bind groups, textures, depth, needs or statistics.
     pub fn new(camera: Camera, target: &'a wgpu::TextureView) -> Self {
         Self {
             camera,
             settings: Settings::default(),
             exposure: 1.0,
             host_bind_group: None,
+            second_bind_group: None,
+            host_offsets: [&[]; 2],
             textures: None,
             target,
             depth: None,

@@ -8,9 +8,10 @@ pub(crate) use tokens::tokens;
 use crate::host::error::{ShadingError, ShadingErrorKind};
 use crate::host::gbuffer::Channels;
 use crate::host::table::TextureTier;
+use crate::{HOST_GROUP, SECOND_HOST_GROUP};
 use naga::common::wgsl::TypeContext as _;
 use std::ops::Range;
-use tokens::{declarations, unclosed};
+use tokens::{declarations, unclosed, without_entry_points};
 
 /// The WGSL of `daa_texture` on a tier, without the directive that the binding tier needs.
 pub(crate) fn table_chunk(tier: TextureTier) -> &'static str {
@@ -26,6 +27,14 @@ pub(crate) fn directives(tier: TextureTier) -> &'static str {
     match tier {
         TextureTier::Bindings => "enable wgpu_binding_array;\n",
         _ => "",
+    }
+}
+
+/// The groups in which the host may bind: where no texture table is, its group is free.
+fn host_groups(tier: TextureTier) -> &'static [u32] {
+    match tier {
+        TextureTier::None => &[HOST_GROUP, SECOND_HOST_GROUP],
+        TextureTier::Arrays | TextureTier::Bindings => &[HOST_GROUP],
     }
 }
 
@@ -94,6 +103,7 @@ impl Type {
 impl HostSource {
     /// Parses and validates the host's source joined with the contract, on the capabilities of the device.
     pub fn check(source: &str, file: &str, tier: TextureTier, features: wgpu::Features) -> Result<Self, ShadingError> {
+        let source = &without_entry_points(source);
         let contract = [chunk::CONTRACT, chunk::OCTAHEDRAL, table_chunk(tier)];
         let joined = Joined::new(directives(tier), source, &contract);
         let at = |range: Option<Range<usize>>, kind| joined.error(file, range, kind);
@@ -116,14 +126,10 @@ impl HostSource {
         for (_, variable) in module.global_variables.iter() {
             let name = variable.name.clone().unwrap_or_default();
             if let (Some(range), Some(binding)) = (joined.declaration(&name), &variable.binding)
-                && binding.group != crate::HOST_GROUP
+                && !host_groups(tier).contains(&binding.group)
             {
                 return Err(at(Some(range), ShadingErrorKind::Group { name, group: binding.group }));
             }
-        }
-        if let Some(entry) = module.entry_points.first() {
-            let range = joined.declaration(&entry.name);
-            return Err(at(range, ShadingErrorKind::EntryPoint(entry.name.clone())));
         }
         let hook = joined.hook(file, &module)?;
         let sky = joined.signature(file, &module, SKY, &[Type::Struct("DaaSample")], Type::VEC4F)?;

@@ -80,6 +80,8 @@ fn frame(target: &wgpu::TextureView, settings: Settings) -> Frame<'_> {
         settings,
         exposure: 1.0,
         host_bind_group: None,
+        second_bind_group: None,
+        host_offsets: [&[]; 2],
         textures: None,
         target,
         depth: None,
@@ -855,6 +857,8 @@ fn texts() {
     assert_snapshot!(RecordError::TargetUsage, @"the target can't be rendered to; create it with TextureUsages::RENDER_ATTACHMENT");
     assert_snapshot!(RecordError::TargetSamples(4), @"the target has 4 samples a pixel, the node writes one; render into a texture with sample_count = 1");
     assert_snapshot!(RecordError::Lent { part: Part::Reflections, lent: 1024, needed: 2048 }, @"Reflections was lent 1024 bytes, this frame needs 2048; lend at least that many bytes, or withdraw the loan");
+    assert_snapshot!(RecordError::SecondBindGroup, @"the host's WGSL was built with a second bind group layout, the frame has no second_bind_group; set it");
+    assert_snapshot!(BuildError::SecondGroup, @"group 1 is the texture table's; the host's second layout needs TextureTier::None, put its bindings into group 2");
     assert_snapshot!(RecordError::HostBindGroup, @"the host's WGSL was built with a bind group layout, the frame has no host_bind_group; set it");
     assert_snapshot!(RecordError::Textures, @"the node was built with a texture tier, the frame has no table; set Frame::textures, an empty table if there are none");
     let why = "the device binds 134217728".into();

@@ -14,6 +14,7 @@ mod example;
 mod goals;
 mod graph;
 mod harness;
+mod host_groups;
 mod multi_resolution;
 mod needs;
 mod numerics;

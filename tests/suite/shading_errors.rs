@@ -173,21 +173,38 @@ fn clashes() {
 
 #[test]
 fn groups() {
-    for group in [0, 1, 3] {
+    for group in [0, 3] {
         let text = beside_a_hook(&format!("@group({group}) @binding(0) var<uniform> §tint: vec4f;"));
         assert!(text.contains(&format!("@group({group})")), "{text}");
     }
-    assert_snapshot!(beside_a_hook("@group(1) @binding(40) var §paper: texture_2d<f32>;"), @"game/toon.wgsl:1:28: `paper` is bound to @group(1); the host has @group(2) alone, bind it there");
-    assert_snapshot!(beside_a_hook("@group(3) @binding(40) var<storage> §lights: array<vec4f>;"), @"game/toon.wgsl:1:37: `lights` is bound to @group(3); the host has @group(2) alone, bind it there");
+    // A texture table has group 1, where the host's second group would be.
+    let second = format!("@group(1) @binding(40) var paper: texture_2d<f32>;\n{SHADE}");
+    assert_eq!(check(TextureTier::None, &second), Ok(()));
+    let refused = [TextureTier::Arrays, TextureTier::Bindings].map(|tier| check(tier, &second).expect_err("a refusal"));
+    assert_eq!(refused[0], refused[1]);
+    assert_snapshot!(refused[0], @"game/toon.wgsl:1:28: `paper` is bound to @group(1); the host has @group(2), and with TextureTier::None also @group(1): bind it there");
+    assert_snapshot!(beside_a_hook("@group(3) @binding(40) var<storage> §lights: array<vec4f>;"), @"game/toon.wgsl:1:37: `lights` is bound to @group(3); the host has @group(2), and with TextureTier::None also @group(1): bind it there");
     assert_snapshot!(beside_a_hook("§@group(2) var<uniform> tint: vec4f;"), @"game/toon.wgsl:1:1: variable `@group(2)` needs a 'binding' attribute");
     assert_snapshot!(beside_a_hook("§var<uniform> tint: vec4f;"), @"game/toon.wgsl:1:1: `tint`: Binding decoration is missing or not applicable");
 }
 
+/// A file may hold the host's own passes: they are left out, and errors behind them keep their places.
 #[test]
-fn entry_points() {
-    assert_snapshot!(beside_a_hook("@compute @workgroup_size(8)\nfn §cull() {}"), @"game/toon.wgsl:2:4: `cull` is an entry point; the crate brings its own, remove @compute, @vertex or @fragment");
-    assert_snapshot!(beside_a_hook("@fragment fn §main() -> @location(0) vec4f { return vec4f(1.0); }"), @"game/toon.wgsl:1:14: `main` is an entry point; the crate brings its own, remove @compute, @vertex or @fragment");
-    assert_snapshot!(beside_a_hook("@vertex fn §vertex() -> @builtin(position) vec4f { return vec4f(1.0); }"), @"game/toon.wgsl:1:12: `vertex` is an entry point; the crate brings its own, remove @compute, @vertex or @fragment");
+fn entry_points_are_the_hosts_own_business() {
+    let passes = "@compute @workgroup_size(8, 8)\nfn cull(@builtin(global_invocation_id) id: vec3u) { if id.x > 0u { return; } }
+struct Varyings { @builtin(position) clip: vec4f, @location(0) compute: vec2f }
+@vertex fn vertex(@builtin(vertex_index) i: u32) -> Varyings { return Varyings(vec4f(f32(i)), vec2f(0.0)); }
+/* } */ @fragment
+fn fragment(v: Varyings) -> @location(0) vec4f { return dpdx(vec4f(v.compute, 0.0, 1.0)); } // ü
+const fragments = 3;
+@must_use fn helper() -> f32 { return f32(fragments); }";
+    assert_eq!(check(TextureTier::None, &format!("{passes}\n{SHADE}")), Ok(()));
+    assert_snapshot!(beside_a_hook(&format!("{passes}\n@fragment fn f() {{}} fn b() -> f32 {{ return §oops; }}")), @"game/toon.wgsl:9:44: no definition in scope for identifier: `oops`");
+    // What an entry point reads is not read by shading.
+    let unread = format!("@compute @workgroup_size(1) fn main() {{ var s: DaaSample; let uv = s.uv; }}\n{SHADE}");
+    assert_eq!(check(TextureTier::None, &unread), Ok(()));
+    // A hook is none.
+    assert_snapshot!(error("@fragment fn shade() -> @location(0) vec4f { return vec4f(1.0); }"), @"game/toon.wgsl: no shading function; write `fn shade(s: DaaSample) -> vec4f`, or both `fn material(s: DaaSample) -> DaaMaterial` and `fn light(f: DaaSurface, m: DaaMaterial) -> vec4f`");
 }
 
 #[test]

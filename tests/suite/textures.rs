@@ -134,6 +134,8 @@ impl Textured {
             settings,
             exposure: 1.0,
             host_bind_group: None,
+            second_bind_group: None,
+            host_offsets: [&[]; 2],
             textures: Some(&self.table),
             target: &self.target.create_view(&Default::default()),
             depth: None,

@@ -519,16 +519,13 @@ impl Host {
                 importance: &self.importance,
                 depth,
             },
-            camera,
             settings,
-            exposure: 1.0,
             host_bind_group: Some(&self.host_bind_group),
             textures: Some(&self.uploaded.table),
-            target: &self.target_view,
             depth: blend.map(Blend::depth),
-            viewport: None,
             band,
             statistics: true,
+            ..Frame::new(camera, &self.target_view)
         };
         record(&mut self.aa, &self.gpu.queue, &mut encoder, &frame)?;
         if let Some(blend) = blend.filter(|_| band.is_none_or(|band| band.index + 1 == band.count)) {
