@@ -167,19 +167,30 @@ impl DeferredAa {
         let pipelines = Pipelines::new(build);
         // Compiled now, so that a layout that does not fit the WGSL is an error here and not in the first frame.
         pipelines.try_host(&FIRST)?;
-        Ok(Self {
-            pipelines: Arc::new(pipelines),
-            tables,
+        Ok(Self::on(Arc::new(pipelines), tables))
+    }
+
+    fn on(pipelines: Arc<Pipelines>, tables: Option<Tables>) -> Self {
+        let device = &pipelines.build.device;
+        Self {
             buffers: NodeBuffers::new(device),
+            collector: Collector::new(device),
+            pipelines,
+            tables,
             resources: None,
             prepared: None,
-            collector: Collector::new(device),
             check: None,
             controller: Controller::default(),
             begun: None,
             frame: 0,
             recorded: 0,
-        })
+        }
+    }
+
+    /// A second node of the same descriptor, for another view: it shares the compiled pipelines and nothing else. It has
+    /// no size yet.
+    pub fn for_another_view(&self) -> Self {
+        Self::on(self.pipelines.clone(), self.tables.clone())
     }
 
     /// Checks WGSL as [`new`](Self::new) does, without a device, for a host that reloads its shaders.

@@ -111,7 +111,7 @@ impl Class {
 }
 
 /// Creates the tables of one tier, which share a bind group layout.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct Tables {
     pub layout: wgpu::BindGroupLayout,
     tier: TextureTier,

@@ -1,0 +1,62 @@
+//! Pictures in linear radiance, compared and written.
+
+use std::path::Path;
+
+/// A picture in linear radiance.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    pub size: [usize; 2],
+    pub pixels: Vec<[f32; 3]>,
+}
+
+impl Picture {
+    /// The mean of m × m pixels for each.
+    pub fn reduced(&self, m: usize) -> Self {
+        let [width, height] = self.size.map(|side| side / m);
+        let mean = |x: usize, y: usize| {
+            let window = (0..m * m).map(|i| self.pixels[(y * m + i / m) * self.size[0] + x * m + i % m]);
+            let sum = window.fold([0.0f64; 3], |sum, p| [0, 1, 2].map(|c| sum[c] + f64::from(p[c])));
+            sum.map(|c| (c / (m * m) as f64) as f32)
+        };
+        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| mean(x, y)).collect();
+        Self { size: [width, height], pixels }
+    }
+
+    /// Peak signal-to-noise ratio in decibels as displayed: c/(1+c), then the sRGB curve.
+    pub fn psnr(&self, other: &Self) -> f64 {
+        self.psnr_where(other, |_| true)
+    }
+
+    /// The ratio over the pixels of these indices.
+    pub fn psnr_where(&self, other: &Self, counts: impl Fn(usize) -> bool) -> f64 {
+        assert_eq!(self.size, other.size);
+        let squares = (0..self.pixels.len()).filter(|i| counts(*i)).map(|i| {
+            let difference = |c: usize| displayed(self.pixels[i][c]) - displayed(other.pixels[i][c]);
+            (0..3).map(|c| difference(c).powi(2)).sum::<f64>() / 3.0
+        });
+        let (sum, count) = squares.fold((0.0, 0), |(sum, count), square| (sum + square, count + 1));
+        -10.0 * (sum / f64::from(count)).log10()
+    }
+
+    /// The ratio of linear radiance, whose peak is 1.
+    pub fn psnr_linear(&self, other: &Self) -> f64 {
+        assert_eq!(self.size, other.size);
+        let square = |(a, b): (&[f32; 3], &[f32; 3])| (0..3).map(|c| f64::from(a[c] - b[c]).powi(2)).sum::<f64>() / 3.0;
+        let sum: f64 = self.pixels.iter().zip(&other.pixels).map(square).sum();
+        -10.0 * (sum / self.pixels.len() as f64).log10()
+    }
+
+    /// Writes a PNG, as displayed.
+    pub fn write(&self, path: &Path) {
+        let bytes = self.pixels.iter().flat_map(|p| p.map(|c| (displayed(c) * 255.0).round() as u8)).collect();
+        let [width, height] = self.size.map(|side| side as u32);
+        let image = image::RgbImage::from_raw(width, height, bytes).expect("a picture");
+        image.save(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+    }
+}
+
+fn displayed(c: f32) -> f64 {
+    let c = f64::from(c).max(0.0);
+    let c = c / (1.0 + c);
+    if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 }
+}

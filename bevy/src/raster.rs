@@ -1,0 +1,68 @@
+//! Draws the camera's deferred meshes into the enlarged G-buffer, with Bevy's own pipelines.
+
+use crate::view::ViewNode;
+use bevy_core_pipeline::deferred::{AlphaMask3dDeferred, Opaque3dDeferred};
+use bevy_ecs::prelude::*;
+use bevy_log::error;
+use bevy_render::camera::ExtractedCamera;
+use bevy_render::diagnostic::RecordDiagnostics;
+use bevy_render::render_phase::ViewBinnedRenderPhases;
+use bevy_render::render_resource::{
+    LoadOp, Operations, RenderPassColorAttachment, RenderPassDepthStencilAttachment, RenderPassDescriptor, StoreOp,
+};
+use bevy_render::renderer::{RenderContext, ViewQuery};
+use bevy_render::view::ExtractedView;
+use deferred_aa::wgpu;
+
+pub fn raster(
+    world: &World,
+    view: ViewQuery<(&ExtractedCamera, &ExtractedView, &ViewNode)>,
+    opaque: Res<ViewBinnedRenderPhases<Opaque3dDeferred>>,
+    masked: Res<ViewBinnedRenderPhases<AlphaMask3dDeferred>>,
+    mut ctx: RenderContext,
+) {
+    let entity = view.entity();
+    let (camera, extracted, node) = view.into_inner();
+    let Some(targets) = node.targets() else { return };
+    let (Some(opaque), Some(masked)) =
+        (opaque.get(&extracted.retained_view_entity), masked.get(&extracted.retained_view_entity))
+    else {
+        return;
+    };
+    let diagnostics = ctx.diagnostic_recorder();
+    let diagnostics = diagnostics.as_deref();
+
+    let attachment = |view| {
+        let ops = Operations { load: LoadOp::Clear(wgpu::Color::TRANSPARENT), store: StoreOp::Store };
+        Some(RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops })
+    };
+    // The places of Bevy's deferred prepass; normals and motion vectors are left to that.
+    let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
+        label: Some("deferred_aa_raster"),
+        color_attachments: &[None, None, attachment(&targets.texels), attachment(&targets.lighting_passes)],
+        depth_stencil_attachment: Some(RenderPassDepthStencilAttachment {
+            view: &targets.depth,
+            depth_ops: Some(Operations { load: LoadOp::Clear(0.0), store: StoreOp::Store }),
+            stencil_ops: None,
+        }),
+        timestamp_writes: None,
+        occlusion_query_set: None,
+        multiview_mask: None,
+    });
+    let span = diagnostics.pass_span(&mut pass, "deferred_aa_raster");
+    if let Some(viewport) = &camera.viewport {
+        let [width, height] = targets.samples.map(|side| side as f32);
+        pass.set_viewport(0.0, 0.0, width, height, viewport.depth.start, viewport.depth.end);
+    }
+    if !opaque.is_empty()
+        && let Err(e) = opaque.render(&mut pass, world, entity)
+    {
+        error!("DeferredAa: the deferred meshes can't be drawn: {e:?}");
+    }
+    if !masked.is_empty()
+        && let Err(e) = masked.render(&mut pass, world, entity)
+    {
+        error!("DeferredAa: the masked deferred meshes can't be drawn: {e:?}");
+    }
+    span.end(&mut pass);
+}
