@@ -5,6 +5,7 @@ use crate::view::Targets;
 use bevy_core_pipeline::core_3d::CORE_3D_DEPTH_FORMAT;
 use bevy_ecs::prelude::*;
 use bevy_platform::collections::HashMap;
+use bevy_render::diagnostic::{DiagnosticsRecorder, RecordDiagnostics};
 use bevy_render::renderer::RenderDevice;
 use deferred_aa::wgpu;
 
@@ -91,6 +92,7 @@ impl CompositePipelines {
         format: wgpu::TextureFormat,
         color: wgpu::RenderPassColorAttachment<'_>,
         depth: wgpu::RenderPassDepthStencilAttachment<'_>,
+        diagnostics: Option<&DiagnosticsRecorder>,
     ) {
         let Some(pipeline) = self.by_format.get(&format) else { return };
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -99,10 +101,12 @@ impl CompositePipelines {
             depth_stencil_attachment: Some(depth),
             ..Default::default()
         });
+        let span = diagnostics.pass_span(&mut pass, "deferred_aa_composite");
         let ([x, y], [width, height]) = (targets.origin, targets.size);
         pass.set_viewport(x as f32, y as f32, width as f32, height as f32, 0.0, 1.0);
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, &targets.composite, &[]);
         pass.draw(0..3, 0..1);
+        span.end(&mut pass);
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::program::GBUFFER;
 use bevy_ecs::prelude::*;
+use bevy_render::diagnostic::{DiagnosticsRecorder, RecordDiagnostics};
 use bevy_render::renderer::RenderDevice;
 use deferred_aa::{GBuffer, wgpu};
 
@@ -51,15 +52,23 @@ impl PackPipelines {
         })
     }
 
-    pub fn record(&self, encoder: &mut wgpu::CommandEncoder, group: &wgpu::BindGroup, gbuffer: &GBuffer) {
+    pub fn record(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        group: &wgpu::BindGroup,
+        gbuffer: &GBuffer,
+        diagnostics: Option<&DiagnosticsRecorder>,
+    ) {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("deferred_aa_pack"),
             color_attachments: &gbuffer.color_attachments(),
             ..Default::default()
         });
+        let span = diagnostics.pass_span(&mut pass, "deferred_aa_pack");
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, group, &[]);
         pass.draw(0..3, 0..1);
+        span.end(&mut pass);
     }
 }
 

@@ -13,7 +13,7 @@ use bevy_render::renderer::RenderDevice;
 use bevy_shader::{Shader, ShaderCache, ShaderCacheError, ShaderCacheSource, ShaderDefVal};
 use bevy_tasks::{AsyncComputeTaskPool, Task, block_on, poll_once};
 use deferred_aa::{
-    BuildError, Channels, DeferredAa, Descriptor, GBufferTier, HOST_GROUP, Needs, SECOND_HOST_GROUP, Settings, Shading, TextureTier,
+    BuildError, Channels, DeferredAa, Depth, Descriptor, GBufferTier, HOST_GROUP, Needs, SECOND_HOST_GROUP, Settings, Shading, TextureTier,
     wgpu,
 };
 use std::sync::Arc;
@@ -23,6 +23,17 @@ pub const GBUFFER: GBufferTier = GBufferTier::Stored(Channels { user: true, ..Ch
 
 /// The format of the node's image.
 pub const IMAGE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+
+/// What the node writes besides the image: the depth that what Bevy draws over it is tested against. The nearest of a
+/// pixel, so that the skybox leaves pixels at an edge alone.
+pub const NEEDS: Needs<'static> = Needs {
+    depth: Some(Depth::Nearest),
+    rays: None,
+    shadows: &[],
+    reflective: &[],
+    textured: &[],
+    importance: &[],
+};
 
 /// The bindings of our own WGSL in the host's group, beyond those of Bevy's.
 pub mod own {
@@ -293,8 +304,7 @@ fn build(source: Source, m: u32, settings: Settings, device: wgpu::Device) -> Ta
             BuildError::Missing(missing) => DeferredAaError::Adapter(missing),
             e => node_error(e),
         })?;
-        node.warm_up(&settings, &Needs { depth: Some(deferred_aa::Depth::Nearest), ..Needs::default() })
-            .map_err(node_error)?;
+        node.warm_up(&settings, &NEEDS).map_err(node_error)?;
         Ok(Program { node, groups })
     })
 }

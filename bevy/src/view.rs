@@ -7,7 +7,7 @@ use crate::diagnostics::{Report, Reports};
 use crate::error::DeferredAaError;
 use crate::extract::ExtractedDeferredAa;
 use crate::pack::PackPipelines;
-use crate::program::{Composer, IMAGE_FORMAT, Program, ProgramKey, Programs, RootShader, node_error};
+use crate::program::{Composer, IMAGE_FORMAT, NEEDS, Program, ProgramKey, Programs, RootShader, node_error};
 use bevy_core_pipeline::deferred::{DEFERRED_LIGHTING_PASS_ID_FORMAT, DEFERRED_PREPASS_FORMAT};
 use bevy_ecs::prelude::*;
 use bevy_light::Skybox;
@@ -22,7 +22,8 @@ use bevy_render::renderer::{RenderContext, RenderDevice, RenderQueue, ViewQuery}
 use bevy_render::texture::GpuImage;
 use bevy_render::view::{ExtractedView, Msaa, ViewDepthStencilTexture, ViewTarget};
 use deferred_aa::glam::Mat4;
-use deferred_aa::{Camera, DeferredAa, Depth, Frame, Needs, Settings, wgpu};
+use bevy_tasks::{AsyncComputeTaskPool, Task, block_on, poll_once};
+use deferred_aa::{Camera, DeferredAa, Frame, Settings, wgpu};
 use std::sync::Arc;
 
 /// A camera's node, what it renders into, and what it was built for.
@@ -36,6 +37,10 @@ pub struct ViewNode {
     targets: Option<Targets>,
     /// Those of this frame, `None` if it is not anti-aliased.
     settings: Option<Settings>,
+    /// The last settings whose pipelines were compiled.
+    compiled: Settings,
+    /// Settings whose pipelines are being compiled.
+    compiling: Option<(Settings, Task<Result<(), DeferredAaError>>)>,
     statistics: bool,
     /// Why a frame with this program and these settings could not be recorded.
     failed: Option<(ProgramKey, Settings, DeferredAaError)>,
@@ -175,7 +180,7 @@ fn ready(
     preparing.composite.prepare(device, view.target_format);
 
     let prepare = |node: &mut ViewNode| {
-        node.settings = Some(settings);
+        node.settings = Some(node.compiled(settings)?);
         node.statistics = aa.settings.statistics;
         node.resize(preparing.device.wgpu_device(), &preparing.queue, view.viewport, lighting_pass, (&preparing.pack, &preparing.composite))
     };
@@ -193,6 +198,8 @@ fn ready(
                 generation,
                 targets: None,
                 settings: None,
+                compiled: settings,
+                compiling: None,
                 statistics: false,
                 failed: None,
             };
@@ -203,6 +210,27 @@ fn ready(
 }
 
 impl ViewNode {
+    /// These settings, or the last ones as long as the pipelines of these are being compiled behind the app's back.
+    fn compiled(&mut self, settings: Settings) -> Result<Settings, DeferredAaError> {
+        if self.node.is_ready(&settings, &NEEDS) {
+            (self.compiled, self.compiling) = (settings, None);
+            return Ok(settings);
+        }
+        match &mut self.compiling {
+            Some((compiling, task)) if *compiling == settings => {
+                if let Some(compiled) = block_on(poll_once(task)) {
+                    compiled?;
+                }
+            }
+            _ => {
+                let program = self.program.clone();
+                let compile = async move { program.node.warm_up(&settings, &NEEDS).map_err(node_error) };
+                self.compiling = Some((settings, AsyncComputeTaskPool::get().spawn(compile)));
+            }
+        }
+        Ok(self.compiled)
+    }
+
     fn resize(
         &mut self,
         device: &wgpu::Device,
@@ -309,8 +337,7 @@ pub fn shade(
     let diagnostics = ctx.diagnostic_recorder();
     let diagnostics = diagnostics.as_deref();
     let encoder = ctx.command_encoder();
-    let span = diagnostics.time_span(encoder, "deferred_aa_shade");
-    pack.record(encoder, &targets.pack, gbuffer);
+    pack.record(encoder, &targets.pack, gbuffer, diagnostics);
 
     let matrix = |m: bevy_math::Mat4| Mat4::from_cols_array(&m.to_cols_array());
     let [offsets, second_offsets] = &bound.offsets;
@@ -321,7 +348,7 @@ pub fn shade(
         host_bind_group: Some(&bound.groups[0]),
         second_bind_group: Some(&bound.groups[1]),
         host_offsets: [offsets, second_offsets],
-        needs: Needs { depth: Some(Depth::Nearest), ..Needs::default() },
+        needs: NEEDS,
         depth: Some(&targets.image_depth),
         statistics: *statistics,
         ..Frame::new(
@@ -332,6 +359,7 @@ pub fn shade(
             &targets.image,
         )
     };
+    let span = diagnostics.time_span(encoder, "deferred_aa_shade");
     let recorded = node.record(&queue, encoder, &frame);
     span.end(encoder);
     if let Err(e) = recorded {
@@ -344,6 +372,7 @@ pub fn shade(
         target.main_texture_format(),
         target.get_unsampled_color_attachment(),
         depth.get_attachment(StoreOp::Store),
+        diagnostics,
     );
     reports.frame(aa.camera, Report { statistics: node.statistics().cloned(), bytes: targets.bytes + bytes(node) });
 }

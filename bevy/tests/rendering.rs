@@ -3,12 +3,18 @@
 #[path = "../examples/support/mod.rs"]
 mod support;
 
+use bevy_anti_alias::fxaa::Fxaa;
+use bevy_anti_alias::smaa::{Smaa, SmaaPreset};
 use bevy_camera::Viewport;
 use bevy_core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
+use bevy_core_pipeline::schedule::Core3d;
+use bevy_core_pipeline::tonemapping::Tonemapping;
 use bevy_deferred_aa::deferred_aa::{Preset, Settings, Technique};
 use bevy_deferred_aa::{DeferredAa, DeferredAaError, DeferredAaState};
 use bevy_ecs::prelude::*;
+use bevy_ecs::schedule::Schedules;
 use bevy_math::UVec2;
+use bevy_render::RenderApp;
 use bevy_render::camera::TemporalJitter;
 use bevy_render::occlusion_culling::OcclusionCulling;
 use support::picture::Picture;
@@ -26,13 +32,13 @@ fn stage(size: [u32; 2]) -> (Stage, Entity, bevy_asset::Handle<bevy_image::Image
     (stage, camera, target)
 }
 
-/// Bevy's own deferred image with m × m pixels for each, and their mean.
+/// Bevy's own deferred image with m × m pixels for each.
 fn supersampled(m: u32) -> Picture {
     let (mut stage, _, target) = stage(SIZE.map(|side| side * m));
     stage.run(12);
     let picture = stage.picture(&target);
     assert_eq!(stage.complaints(), Vec::<String>::new());
-    picture.reduced(m as usize)
+    picture
 }
 
 fn insert(stage: &mut Stage, camera: Entity, aa: DeferredAa) {
@@ -44,14 +50,12 @@ fn insert(stage: &mut Stage, camera: Entity, aa: DeferredAa) {
 #[test]
 fn all_samples_are_the_mean_of_bevys_own_larger_image() {
     for m in [2, 4] {
-        let truth = supersampled(m);
+        let truth = supersampled(m).reduced(m as usize);
         let (mut stage, camera, target) = stage(SIZE);
         insert(&mut stage, camera, DeferredAa::full(m));
         let full = stage.picture(&target);
         let (shown, linear) = (full.psnr(&truth), full.psnr_linear(&truth));
         println!("m = {m}: {shown:.1} dB as displayed, {linear:.1} dB of linear radiance");
-        full.write(std::path::Path::new(&format!("/tmp/full{m}.png")));
-        truth.write(std::path::Path::new(&format!("/tmp/truth{m}.png")));
         assert_eq!(stage.complaints(), Vec::<String>::new());
         assert!(shown >= 50.0 && linear >= 50.0, "m = {m}: {shown} dB, {linear} dB");
     }
@@ -65,12 +69,91 @@ fn presets_are_close_to_all_samples_for_fewer() {
     for preset in Preset::ALL {
         insert(&mut stage, camera, DeferredAa::preset(preset));
         let picture = stage.picture(&target);
-        let ratio = stage.status(camera).statistics.as_ref().expect("statistics").ratio;
+        let ratio = stage.status(camera).expect("a status").statistics.as_ref().expect("statistics").ratio;
         let psnr = picture.psnr(&full);
         println!("{preset:?}: {psnr:.1} dB at {:.1} %", 100.0 * ratio);
         assert!(preset == Preset::Fast || psnr >= 42.0 && ratio < 0.4, "{preset:?}: {psnr} dB at {ratio}");
     }
     assert_eq!(stage.complaints(), Vec::<String>::new());
+}
+
+#[test]
+fn edges_are_better_than_those_of_fxaa_and_smaa() {
+    // Both work on the tone-mapped image, so all are compared there.
+    let tone_mapped = |size: [u32; 2]| {
+        let (mut stage, camera, target) = stage(size);
+        stage.world().entity_mut(camera).insert(Tonemapping::Reinhard);
+        stage.run(12);
+        (stage, camera, target)
+    };
+    let (mut large, _, large_target) = tone_mapped(SIZE.map(|side| side * 8));
+    let large = large.picture(&large_target);
+    let (truth, edges) = (large.reduced(8).before_reinhard(), large.before_reinhard().edges(8));
+    let (mut stage, camera, target) = tone_mapped(SIZE);
+    let at_edges = |stage: &mut Stage| {
+        stage.run(8);
+        stage.picture(&target).before_reinhard().psnr_where(&truth, |i| edges[i])
+    };
+    let off = at_edges(&mut stage);
+    stage.world().entity_mut(camera).insert(Fxaa::default());
+    let fxaa = at_edges(&mut stage);
+    stage.world().entity_mut(camera).remove::<Fxaa>().insert(Smaa { preset: SmaaPreset::Ultra });
+    let smaa = at_edges(&mut stage);
+    stage.world().entity_mut(camera).remove::<Smaa>();
+    insert(&mut stage, camera, DeferredAa::default());
+    let ours = at_edges(&mut stage);
+    println!("edges to the truth: off {off:.1} dB, FXAA {fxaa:.1}, SMAA {smaa:.1}, DeferredAa {ours:.1}");
+    assert!(ours >= fxaa.max(smaa) + 6.0, "FXAA {fxaa} dB, SMAA {smaa}, DeferredAa {ours}");
+    assert_eq!(stage.complaints(), Vec::<String>::new());
+}
+
+/// Skybox, blended meshes and gizmos are drawn after the node, against its depth.
+#[test]
+fn what_is_drawn_over_the_image_fits_it() {
+    let with_more = |size: [u32; 2]| {
+        let (mut stage, camera, target) = stage(size);
+        scene::spawn_over(stage.world());
+        stage.app.add_systems(bevy_app::Update, scene::draw_gizmos);
+        stage.run(12);
+        (stage, camera, target)
+    };
+    let (mut large, _, large_target) = with_more(SIZE.map(|side| side * 4));
+    let large = large.picture(&large_target);
+    let (truth, edges) = (large.reduced(4), large.edges(4));
+    let (mut stage, camera, target) = with_more(SIZE);
+    let off = stage.picture(&target);
+    insert(&mut stage, camera, DeferredAa::full(4));
+    let full = stage.picture(&target);
+    let (inside, at_edges) = (full.psnr_where(&truth, |i| !edges[i]), full.psnr_where(&truth, |i| edges[i]));
+    let without = off.psnr_where(&truth, |i| edges[i]);
+    println!("inside {inside:.1} dB, at edges {at_edges:.1} dB, without {without:.1} dB");
+    assert!(inside >= 45.0, "{inside} dB");
+    // What is drawn over the image has edges of its own, as before.
+    assert!(at_edges >= without + 4.0, "{at_edges} dB, without {without} dB");
+    assert_eq!(stage.complaints(), Vec::<String>::new());
+}
+
+#[test]
+fn the_passes_come_between_bevys_prepass_and_its_main_pass() {
+    let (mut stage, camera, _) = stage([32, 32]);
+    insert(&mut stage, camera, DeferredAa::default());
+    let world = stage.app.sub_app(RenderApp).world();
+    let schedule = world.resource::<Schedules>().get(Core3d).expect("Core3d");
+    let names: Vec<String> = schedule.systems().expect("built").map(|(_, system)| system.name().to_string()).collect();
+    let place = |name: &str| {
+        names.iter().position(|n| n.ends_with(name)).unwrap_or_else(|| panic!("no {name} in {names:#?}"))
+    };
+    let order = [
+        "early_deferred_prepass",
+        "copy_deferred_lighting_id",
+        "bevy_deferred_aa::raster::raster",
+        "bevy_deferred_aa::view::shade",
+        "main_opaque_pass_3d",
+        "main_transparent_pass_3d",
+        "tonemapping::tonemapping",
+    ]
+    .map(place);
+    assert!(order.is_sorted(), "{names:#?}");
 }
 
 #[test]

@@ -20,13 +20,21 @@ use bevy_render::render_asset::RenderAssets;
 use bevy_render::render_resource::{TextureFormat, TextureUsages};
 use bevy_render::renderer::{RenderDevice, RenderQueue};
 use bevy_render::texture::GpuImage;
+use bevy_camera::primitives::Aabb;
+use bevy_asset::RecursiveDependencyLoadState;
+use bevy_math::Vec3;
 use bevy_time::TimeUpdateStrategy;
+use bevy_transform::prelude::*;
+use bevy_world_serialization::{WorldAsset, WorldAssetRoot};
 use picture::Picture;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// What wgpu complained of.
 #[derive(Resource, Default)]
 pub struct Complaints(pub Vec<String>);
+
+static LOGS: AtomicBool = AtomicBool::new(false);
 
 /// An app without a window.
 pub struct Stage {
@@ -38,7 +46,6 @@ impl Stage {
         let mut app = App::new();
         app.add_plugins((
             bevy_app::TaskPoolPlugin::default(),
-            bevy_log::LogPlugin { level: bevy_log::Level::WARN, ..Default::default() },
             bevy_diagnostic::FrameCountPlugin,
             bevy_time::TimePlugin,
             bevy_transform::TransformPlugin,
@@ -47,6 +54,10 @@ impl Stage {
             AssetPlugin { file_path: assets(), unapproved_path_mode: bevy_asset::UnapprovedPathMode::Allow, ..Default::default() },
             bevy_world_serialization::WorldSerializationPlugin,
         ));
+        // One logger for all apps of a process.
+        if !LOGS.swap(true, Ordering::Relaxed) {
+            app.add_plugins(bevy_log::LogPlugin { level: bevy_log::Level::WARN, ..Default::default() });
+        }
         app.add_plugins((
             bevy_render::RenderPlugin { synchronous_pipeline_compilation: true, ..Default::default() },
             ImagePlugin::default(),
@@ -59,6 +70,8 @@ impl Stage {
             bevy_gltf::GltfPlugin::default(),
             bevy_pbr::PbrPlugin::default(),
             bevy_animation::AnimationPlugin,
+            bevy_gizmos::GizmoPlugin,
+            bevy_gizmos_render::GizmoRenderPlugin,
             bevy_render::diagnostic::RenderDiagnosticsPlugin,
         ));
         app.add_plugins(DeferredAaPlugin);
@@ -116,11 +129,51 @@ impl Stage {
     }
 
     pub fn state(&mut self, camera: Entity) -> DeferredAaState {
-        self.status(camera).state.clone()
+        self.status(camera).map(|status| status.state.clone()).unwrap_or_default()
     }
 
-    pub fn status(&mut self, camera: Entity) -> &DeferredAaStatus {
-        self.app.world().get::<DeferredAaStatus>(camera).expect("a status")
+    /// `None` if the camera never had the component.
+    pub fn status(&mut self, camera: Entity) -> Option<&DeferredAaStatus> {
+        self.app.world().get::<DeferredAaStatus>(camera)
+    }
+
+    /// Loads a glTF file, spawns its first scene, and returns where a camera sees all of it.
+    pub fn load(&mut self, file: &str) -> Result<Transform, String> {
+        let path = std::fs::canonicalize(file).map_err(|e| format!("{file}: {e}"))?;
+        let server = self.world().resource::<AssetServer>().clone();
+        let path = bevy_gltf::GltfAssetLabel::Scene(0).from_asset(path);
+        let scene: Handle<WorldAsset> = server.load(path);
+        self.world().spawn(WorldAssetRoot(scene.clone()));
+        let start = Instant::now();
+        loop {
+            self.run(1);
+            match server.recursive_dependency_load_state(&scene) {
+                RecursiveDependencyLoadState::Loaded => break,
+                RecursiveDependencyLoadState::Failed(e) => return Err(format!("{file}: {e}")),
+                _ if start.elapsed() > Duration::from_secs(120) => return Err(format!("{file} did not load in two minutes")),
+                _ => std::thread::sleep(Duration::from_millis(5)),
+            }
+        }
+        self.run(4);
+        scene::spawn_sun(self.world());
+        Ok(self.facing())
+    }
+
+    /// Where a camera sees all meshes, from the front and a little above.
+    fn facing(&mut self) -> Transform {
+        let (mut least, mut most) = (Vec3::splat(f32::INFINITY), Vec3::splat(f32::NEG_INFINITY));
+        let world = self.app.world_mut();
+        let mut meshes = world.query::<(&Aabb, &GlobalTransform)>();
+        for (bounds, place) in meshes.iter(world) {
+            for corner in 0..8 {
+                let sign = Vec3::new([-1.0, 1.0][corner & 1], [-1.0, 1.0][corner >> 1 & 1], [-1.0, 1.0][corner >> 2]);
+                let at = place.transform_point(Vec3::from(bounds.center) + sign * Vec3::from(bounds.half_extents));
+                (least, most) = (least.min(at), most.max(at));
+            }
+        }
+        let (centre, radius) = ((least + most) * 0.5, (most - least).length().max(1e-3) * 0.5);
+        Transform::from_translation(centre + Vec3::new(0.3, 0.35, 1.0).normalize() * radius * 2.2)
+            .looking_at(centre, Vec3::Y)
     }
 
     /// What the image holds now.

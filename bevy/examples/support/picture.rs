@@ -46,6 +46,25 @@ impl Picture {
         -10.0 * (sum / self.pixels.len() as f64).log10()
     }
 
+    /// The radiance that a picture was tone-mapped from by c/(1+c).
+    pub fn before_reinhard(&self) -> Self {
+        let radiance = |c: f32| c.clamp(0.0, 0.9999) / (1.0 - c.clamp(0.0, 0.9999));
+        Self { size: self.size, pixels: self.pixels.iter().map(|p| p.map(radiance)).collect() }
+    }
+
+    /// Which windows of m × m pixels hold different colours: where the picture of their means has edges.
+    pub fn edges(&self, m: usize) -> Vec<bool> {
+        let [width, height] = self.size.map(|side| side / m);
+        let edge = |x: usize, y: usize| {
+            let window = || (0..m * m).map(|i| self.pixels[(y * m + i / m) * self.size[0] + x * m + i % m]);
+            (0..3).any(|c| {
+                let (least, most) = window().map(|p| displayed(p[c])).fold((1.0f64, 0.0f64), |(a, b), v| (a.min(v), b.max(v)));
+                most - least > 0.1
+            })
+        };
+        (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| edge(x, y)).collect()
+    }
+
     /// Writes a PNG, as displayed.
     pub fn write(&self, path: &Path) {
         let bytes = self.pixels.iter().flat_map(|p| p.map(|c| (displayed(c) * 255.0).round() as u8)).collect();

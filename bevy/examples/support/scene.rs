@@ -4,6 +4,7 @@ use bevy_asset::{Assets, Handle, RenderAssetUsages};
 use bevy_camera::visibility::NoFrustumCulling;
 use bevy_color::{Color, LinearRgba};
 use bevy_ecs::prelude::*;
+use bevy_gizmos::prelude::*;
 use bevy_image::prelude::*;
 use bevy_image::{ImageAddressMode, ImageFilterMode, ImageSampler, ImageSamplerDescriptor};
 use bevy_light::prelude::*;
@@ -131,6 +132,32 @@ pub fn spawn(world: &mut World) {
         },
         at(3.5, 4.0, 3.0).looking_at(Vec3::new(1.5, 0.0, 0.0), Vec3::Y),
     ));
+}
+
+/// Adds a sun, for files without lights.
+pub fn spawn_sun(world: &mut World) {
+    world.spawn((
+        DirectionalLight { illuminance: 8000.0, shadow_maps_enabled: true, ..Default::default() },
+        Transform::from_xyz(3.0, 6.0, 4.0).looking_at(Vec3::ZERO, Vec3::Y),
+    ));
+}
+
+/// Adds a glass pane, which is blended over the image.
+pub fn spawn_over(world: &mut World) {
+    let pane = world.resource_mut::<Assets<Mesh>>().add(Mesh::from(Cuboid::new(2.4, 1.6, 0.02)));
+    let glass = StandardMaterial {
+        base_color: Color::srgba(0.2, 0.7, 0.9, 0.4),
+        alpha_mode: AlphaMode::Blend,
+        ..Default::default()
+    };
+    let glass = world.resource_mut::<Assets<StandardMaterial>>().add(glass);
+    world.spawn((Mesh3d(pane), MeshMaterial3d(glass), Transform::from_xyz(1.0, 1.0, 1.4)));
+}
+
+/// Draws a grid that the meshes hide in part.
+pub fn draw_gizmos(mut gizmos: Gizmos) {
+    let upright = Isometry3d::new(Vec3::new(0.0, 1.0, 0.5), Quat::IDENTITY);
+    gizmos.grid(upright, UVec2::splat(6), Vec2::splat(0.8), Color::srgb(1.0, 0.9, 0.1));
 }
 
 /// A blade that bends at two joints.
