@@ -128,12 +128,12 @@ impl World {
     }
 
     /// Whether the twin explains a hit: nothing is there, for the ray or one beside it, or the triangle is where the ray
-    /// passes and nothing covers it. Triangles that look thinner than `thin` roundings may be missed.
+    /// passes and nothing covers it. Triangles that look thinner than `thin` roundings may be missed, or hit anywhere.
     fn explains(&self, random: &mut Random, ray: &GpuRay, hit: &GpuHit, thin: f64) -> bool {
         let (wide, rounding) = (wide(ray), self.rounding(ray));
         let own = self.owners.iter().position(|owner| (owner.0, owner.1) == (hit.instance, hit.triangle));
         let reach = match own {
-            Some(own) if self.is_beside(&wide, hit, own, rounding) => f64::from(hit.t) - self.error(&wide, hit, own),
+            Some(own) if self.is_beside(&wide, hit, own, rounding, thin) => f64::from(hit.t) - self.error(&wide, hit, own, thin),
             Some(_) => return false,
             None if hit.instance == MISS => wide.t_max,
             None => return false,
@@ -149,21 +149,21 @@ impl World {
         1e-6 * self.extent.max(ray.origin.length().into())
     }
 
-    /// What rounding does to t at a triangle: more where the ray grazes it.
-    fn error(&self, ray: &Ray, hit: &GpuHit, own: usize) -> f64 {
+    /// What `thin` roundings do to t at a triangle: more where the ray grazes it.
+    fn error(&self, ray: &Ray, hit: &GpuHit, own: usize, thin: f64) -> f64 {
         let slope = normal(self.triangles[own]).dot(ray.direction).abs().max(1e-9);
-        1e-4 * f64::from(hit.t) + 1e-5 * self.extent / slope
+        1e-4 * f64::from(hit.t) + 6e-7 * thin * self.extent / slope
     }
 
-    /// Whether triangle `own` lies where the hit says, and faces as it says.
-    fn is_beside(&self, ray: &Ray, hit: &GpuHit, own: usize, rounding: f64) -> bool {
+    /// Whether triangle `own` lies where the hit says, and faces as it says, unless it looks thinner than `thin` roundings.
+    fn is_beside(&self, ray: &Ray, hit: &GpuHit, own: usize, rounding: f64, thin: f64) -> bool {
         let (triangle, normal) = (self.triangles[own], normal(self.triangles[own]));
         let slope = normal.dot(ray.direction);
         let t = normal.dot(triangle[0] - ray.origin) / slope;
-        let edge_on = height(triangle, ray.direction) < 16.0 * rounding;
+        let edge_on = height(triangle, ray.direction) < thin * rounding;
         distance(triangle, ray) <= 4.0 * rounding
             && (edge_on
-                || (f64::from(hit.t) - t).abs() <= self.error(ray, hit, own)
+                || (f64::from(hit.t) - t).abs() <= self.error(ray, hit, own, thin)
                     && (hit.front == 1) == ((slope < 0.0) != self.owners[own].2))
     }
 

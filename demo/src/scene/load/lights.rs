@@ -62,6 +62,10 @@ pub(super) fn expose(lights: &mut [Light], centre: Vec3, radius: f32) -> Option<
         return None;
     }
     let factor = GOOD / irradiance;
+    // One that is all but dark, or another that is much brighter and far away.
+    if !lights.iter().all(|light| (light.intensity * factor).is_finite()) {
+        return None;
+    }
     for light in lights {
         light.intensity *= factor;
     }

@@ -692,6 +692,25 @@ fn glaring_lights_are_scaled_together() {
     assert_mentions(&scene.notices[0], &["lights scaled"]);
 }
 
+/// What would make them bright is no number.
+#[test]
+fn lights_that_are_all_but_dark_stay_as_they_are() {
+    let lights = |least: f64| {
+        let mut model = Model::triangle();
+        model.0["extensions"] = json!({ "KHR_lights_punctual": { "lights": [
+            { "type": "directional", "intensity": least }, { "type": "point", "intensity": 300 },
+        ] } });
+        model.0["nodes"] = json!([
+            { "mesh": 0, "extensions": { "KHR_lights_punctual": { "light": 0 } } },
+            { "translation": [3e19, 0, 0], "extensions": { "KHR_lights_punctual": { "light": 1 } } },
+        ]);
+        model.scene()
+    };
+    for least in [1e-45, 1e-40, 1e-38, 1e-30] {
+        assert_eq!(lights(least).validate(), Ok(()), "{least}");
+    }
+}
+
 // ---- Materials ----
 
 #[test]
