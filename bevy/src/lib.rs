@@ -58,7 +58,7 @@ use bevy_asset::embedded_asset;
 use bevy_core_pipeline::core_3d::main_opaque_pass_3d;
 use bevy_core_pipeline::schedule::{Core3d, Core3dSystems};
 use bevy_ecs::prelude::*;
-use bevy_pbr::DefaultOpaqueRendererMethod;
+use bevy_pbr::{DefaultOpaqueRendererMethod, screen_space_reflections};
 use bevy_pbr::deferred::deferred_lighting;
 use bevy_render::{ExtractSchedule, GpuResourceAppExt, Render, RenderApp, RenderStartup, RenderSystems};
 
@@ -107,6 +107,8 @@ impl Plugin for DeferredAaPlugin {
                     .chain()
                     .in_set(Core3dSystems::MainPass)
                     .after(deferred_lighting)
+                    // It adds to the image, and reads it.
+                    .before(screen_space_reflections)
                     .before(main_opaque_pass_3d),
             )
             .add_systems(

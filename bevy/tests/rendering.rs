@@ -148,9 +148,10 @@ fn the_passes_come_between_bevys_prepass_and_its_main_pass() {
         "copy_deferred_lighting_id",
         "bevy_deferred_aa::raster::raster",
         "bevy_deferred_aa::view::shade",
+        "ssr::screen_space_reflections",
         "main_opaque_pass_3d",
         "main_transparent_pass_3d",
-        "tonemapping::tonemapping",
+        "tonemapping::node::tonemapping",
     ]
     .map(place);
     assert!(order.is_sorted(), "{names:#?}");
