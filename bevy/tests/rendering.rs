@@ -5,6 +5,7 @@ mod support;
 
 use bevy_anti_alias::fxaa::Fxaa;
 use bevy_anti_alias::smaa::{Smaa, SmaaPreset};
+use bevy_asset::Assets;
 use bevy_camera::Viewport;
 use bevy_core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
 use bevy_core_pipeline::schedule::Core3d;
@@ -14,6 +15,8 @@ use bevy_deferred_aa::{DeferredAa, DeferredAaError, DeferredAaState};
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::Schedules;
 use bevy_math::UVec2;
+use bevy_reflect::{GetPath, Reflect, PartialReflect};
+use bevy_shader::Shader;
 use bevy_render::RenderApp;
 use bevy_render::camera::TemporalJitter;
 use bevy_render::occlusion_culling::OcclusionCulling;
@@ -250,14 +253,16 @@ fn split_screens_show_what_whole_ones_do() {
 fn sizes_techniques_and_the_component_change_without_complaint() {
     let (mut stage, camera, target) = stage([64, 48]);
     insert(&mut stage, camera, DeferredAa::default());
+    // A second camera into a target of its own, which stays as it is.
+    let other = stage.target([40, 30]);
+    let surroundings = scene::surroundings(stage.world());
+    let second = stage.camera(&other, (surroundings, scene::eye(), DeferredAa::default()));
+    stage.run_until_active(second);
+    let before = stage.picture(&other);
+    let mut held = Vec::new();
     for i in 0..200u32 {
         let size = [1 + i * 37 % 96, 1 + i * 53 % 80];
-        let mut images = stage.world().resource_mut::<bevy_asset::Assets<bevy_image::Image>>();
-        images.get_mut(&target).expect("the target").resize(bevy_render::render_resource::Extent3d {
-            width: size[0],
-            height: size[1],
-            depth_or_array_layers: 1,
-        });
+        resize(&mut stage, &target, size);
         if i % 4 == 1 {
             stage.world().entity_mut(camera).remove::<DeferredAa>();
         } else {
@@ -266,6 +271,109 @@ fn sizes_techniques_and_the_component_change_without_complaint() {
             stage.world().entity_mut(camera).insert(DeferredAa { m: 4, settings, statistics: true });
         }
         stage.run(1);
+        assert_eq!(stage.picture(&target).size, size.map(|side| side as usize));
+        held.extend(memory());
+    }
+    assert!(stage.picture(&other) == before, "the other camera's image differs");
+    assert_eq!(stage.complaints(), Vec::<String>::new());
+    // Every technique has been compiled by then, and every size was there.
+    if let (Some(half), Some(end)) = (held.get(99), held.last()) {
+        println!("{} MB after 100 sizes, {} MB after 200", half / 1_000_000, end / 1_000_000);
+        assert!(*end < half + 60_000_000, "{half} bytes after 100 sizes, {end} after 200");
+    }
+}
+
+#[test]
+fn a_target_without_pixels_is_no_trouble() {
+    let (mut stage, camera, target) = stage([64, 48]);
+    insert(&mut stage, camera, DeferredAa::full(2));
+    let before = stage.picture(&target);
+    // A viewport as of a window that is minimised.
+    let viewport = |size| Viewport { physical_size: size, ..Default::default() };
+    let set = |stage: &mut Stage, viewport| {
+        stage.world().get_mut::<bevy_camera::Camera>(camera).expect("a camera").viewport = viewport;
+        stage.run(3);
+    };
+    set(&mut stage, Some(viewport(UVec2::new(0, 48))));
+    set(&mut stage, Some(viewport(UVec2::ONE)));
+    set(&mut stage, None);
+    assert!(stage.picture(&target) == before, "the image differs");
+    assert_eq!(stage.complaints(), Vec::<String>::new());
+}
+
+fn resize(stage: &mut Stage, target: &bevy_asset::Handle<bevy_image::Image>, [width, height]: [u32; 2]) {
+    let mut images = stage.world().resource_mut::<bevy_asset::Assets<bevy_image::Image>>();
+    let size = bevy_render::render_resource::Extent3d { width, height, depth_or_array_layers: 1 };
+    images.get_mut(target).expect("the target").resize(size);
+}
+
+/// The memory of this process, with that of a driver that runs on the CPU.
+fn memory() -> Option<u64> {
+    let pages = std::fs::read_to_string("/proc/self/statm").ok()?;
+    Some(pages.split(' ').nth(1)?.parse::<u64>().ok()? * 4096)
+}
+
+/// Fifty times on and off leave nothing behind.
+#[test]
+fn the_component_comes_and_goes() {
+    let (mut stage, camera, target) = stage([64, 48]);
+    insert(&mut stage, camera, DeferredAa::default());
+    let with = stage.picture(&target);
+    let mut held = Vec::new();
+    for _ in 0..50 {
+        stage.world().entity_mut(camera).remove::<DeferredAa>();
+        stage.run(2);
+        stage.world().entity_mut(camera).insert(DeferredAa::default());
+        stage.run(3);
+        assert!(stage.picture(&target) == with, "the image differs");
+        held.extend(memory());
+    }
+    if let (Some(early), Some(end)) = (held.get(9), held.last()) {
+        assert!(*end < early + 30_000_000, "{early} bytes after 10 times, {end} after 50");
     }
     assert_eq!(stage.complaints(), Vec::<String>::new());
+}
+
+/// As when shaders are edited while the app runs.
+#[test]
+fn a_shader_that_changes_is_composed_again() {
+    let (mut stage, camera, target) = stage([64, 48]);
+    stage.run(12);
+    let off = stage.picture(&target);
+    insert(&mut stage, camera, DeferredAa::default());
+    let before = stage.picture(&target);
+    let edit = |stage: &mut Stage, from: &str, to: &str| {
+        let mut shaders = stage.world().resource_mut::<Assets<Shader>>();
+        let ours = |(_, shader): &(_, &Shader)| shader.path.ends_with("bevy_deferred_aa/shading.wesl");
+        let (id, shader) = shaders.iter().find(ours).map(|(id, shader)| (id, shader.clone())).expect("our shader");
+        let text = shader.source.as_str().replace(from, to);
+        assert_ne!(text, shader.source.as_str());
+        let edited = Shader::from_wesl(text, shader.path.clone());
+        shaders.insert(id, edited).expect("the shader");
+        stage.run(2);
+    };
+    edit(&mut stage, "radiance = apply_pbr_lighting(pbr);", "radiance = vec4(8.0, 0.0, 0.0, 1.0);");
+    stage.run_until_active(camera);
+    let red = stage.picture(&target);
+    assert!(red.pixels.iter().filter(|p| p[0] > 4.0 && p[1] < 2.0).count() > red.pixels.len() / 4, "not red");
+    edit(&mut stage, "vec4(8.0, 0.0, 0.0, 1.0)", "vec4(8.0,,)");
+    stage.run(4);
+    let DeferredAaState::Refused(DeferredAaError::Compose(e)) = stage.state(camera) else { panic!("not refused") };
+    assert!(e.contains("shading.wesl"), "{e}");
+    assert!(stage.picture(&target) == off, "not Bevy's own image");
+    edit(&mut stage, "vec4(8.0,,)", "apply_pbr_lighting(pbr)");
+    stage.run_until_active(camera);
+    assert!(stage.picture(&target) == before, "the image differs");
+    assert_eq!(stage.complaints(), Vec::<String>::new());
+}
+
+/// All fields by name, as an inspector does.
+#[test]
+fn settings_are_reflected() {
+    let mut aa = DeferredAa::default();
+    aa.reflect_path_mut("settings.surfaces.spread").expect("a field").apply(&0.5f32);
+    aa.reflect_path_mut("settings.windowed.two_sided").expect("a field").apply(&true);
+    assert_eq!((aa.settings.surfaces.spread, aa.settings.windowed.two_sided), (0.5, true));
+    let reflected = aa.reflect_clone().expect("a clone").take::<DeferredAa>().expect("the type");
+    assert_eq!(reflected, aa);
 }

@@ -92,6 +92,17 @@ fn frame(target: &wgpu::TextureView, settings: Settings) -> Frame<'_> {
     }
 }
 
+/// Hosts move nodes between threads, and share them behind locks.
+#[test]
+fn what_a_host_holds_is_send_and_sync() {
+    fn both<T: Send + Sync>() {}
+    both::<DeferredAa>();
+    both::<deferred_aa::TextureTable>();
+    both::<deferred_aa::rays::RayScene>();
+    both::<RecordError>();
+    both::<BuildError>();
+}
+
 fn encoder(gpu: &Gpu) -> wgpu::CommandEncoder {
     gpu.device.create_command_encoder(&Default::default())
 }
