@@ -170,7 +170,8 @@ fn orbit(
     orbit.distance *= (held(KeyCode::Minus, KeyCode::Equal) * time.delta_secs()).exp();
     let [x, y] = orbit.angle.to_array();
     let towards = Vec3::new(x.sin() * y.cos(), y.sin(), x.cos() * y.cos());
-    *place = Transform::from_translation(orbit.centre + towards * orbit.distance.max(1e-3)).looking_at(orbit.centre, Vec3::Y);
+    *place = Transform::from_translation(orbit.centre + towards * orbit.distance.max(1e-3))
+        .looking_at(orbit.centre, Vec3::Y);
 }
 
 /// Writes what is on and what it costs across the top of the image.

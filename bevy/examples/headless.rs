@@ -41,7 +41,9 @@ impl Arguments {
                 }
                 "--scene" => read.scene = Some(words.next().ok_or("--scene takes a glTF file")?),
                 folder if !folder.starts_with('-') => read.folder = folder.into(),
-                other => return Err(format!("no option {other}; there are --size WxH, --scene FILE.gltf and a folder")),
+                other => {
+                    return Err(format!("no option {other}; there are --size WxH, --scene FILE.gltf and a folder"));
+                }
             }
         }
         Ok(read)
@@ -57,7 +59,10 @@ fn main() {
 }
 
 /// A stage with the scene, and a deferred camera into an image of this size.
-fn stage(arguments: &Arguments, size: [u32; 2]) -> Result<(Stage, Entity, bevy_asset::Handle<bevy_image::Image>), String> {
+fn stage(
+    arguments: &Arguments,
+    size: [u32; 2],
+) -> Result<(Stage, Entity, bevy_asset::Handle<bevy_image::Image>), String> {
     let mut stage = Stage::new();
     let eye = match &arguments.scene {
         Some(file) => stage.load(file)?,
@@ -94,7 +99,8 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     let (mut stage, camera, target) = stage(arguments, arguments.size)?;
     println!("{}×{}, PSNR to {TRUTH}×{TRUTH} pixels of Bevy's own for each", arguments.size[0], arguments.size[1]);
     println!("{:<18} {:>8} {:>9} {:>8} {:>9}  passes, ms", "", "PSNR", "at edges", "lit", "memory");
-    let row = |stage: &mut Stage, name: &str, picture: Picture| {
+    let mut shown = Vec::new();
+    let mut row = |stage: &mut Stage, name: &str, picture: Picture| {
         let picture = picture.before_reinhard();
         picture.write(&folder.join(format!("{}.png", name.replace(' ', "-"))));
         let status = stage.status(camera).cloned().unwrap_or_default();
@@ -102,6 +108,7 @@ fn run(arguments: &Arguments) -> Result<(), String> {
         let bytes = if status.bytes == 0 { "-".to_owned() } else { format!("{:.1} MB", status.bytes as f64 / 1e6) };
         let (all, at_edges) = (picture.psnr(&truth), picture.psnr_where(&truth, |i| edges[i]));
         println!("{name:<18} {all:>5.1} dB {at_edges:>6.1} dB {lit:>8} {bytes:>9}  {}", times(stage));
+        shown.push((name.to_owned(), picture));
     };
     let off = stage.picture(&target);
     row(&mut stage, "off", off);
@@ -116,7 +123,7 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     row(&mut stage, "SMAA ultra", smaa);
     stage.world().entity_mut(camera).remove::<Smaa>();
 
-    for m in [2, 4] {
+    for m in [2, 3, 4] {
         let presets = Preset::ALL.map(|preset| (format!("{preset:?}").to_lowercase(), DeferredAa::preset(preset)));
         for (name, aa) in presets.into_iter().chain([("full".to_owned(), DeferredAa::full(m))]) {
             stage.world().entity_mut(camera).insert(DeferredAa { m, ..aa });
@@ -127,6 +134,13 @@ fn run(arguments: &Arguments) -> Result<(), String> {
             row(&mut stage, &format!("{name} m = {m}"), picture);
         }
     }
+    // Bevy's own, FXAA, SMAA, and ours at m = 2 and 3: the edges of the torus, the blade and the leaves.
+    let parts: Vec<_> = ["off", "FXAA", "SMAA ultra", "balanced m = 2", "balanced m = 3"]
+        .iter()
+        .filter_map(|name| shown.iter().find(|(shown, _)| shown == name).map(|(_, picture)| picture))
+        .collect();
+    Picture::strip(&parts, [0.66, 0.3], [0.2, 0.32], 2).write(&folder.join("comparison.png"));
+
     let complaints = stage.complaints();
     if complaints.is_empty() { Ok(()) } else { Err(complaints.join("\n")) }
 }
@@ -142,9 +156,17 @@ fn times(stage: &mut Stage) -> String {
         };
         store.iter().find(fresh).and_then(|d| d.value())
     };
-    ["deferred_aa_raster", "deferred_aa_pack", "deferred_aa_shade", "deferred_aa_composite", "deferred_lighting", "fxaa", "smaa"]
-        .into_iter()
-        .filter_map(|name| Some(format!("{} {:.1}", name.trim_start_matches("deferred_aa_"), time(name)?)))
-        .collect::<Vec<_>>()
-        .join(", ")
+    [
+        "deferred_aa_raster",
+        "deferred_aa_pack",
+        "deferred_aa_shade",
+        "deferred_aa_composite",
+        "deferred_lighting",
+        "fxaa",
+        "smaa",
+    ]
+    .into_iter()
+    .filter_map(|name| Some(format!("{} {:.1}", name.trim_start_matches("deferred_aa_"), time(name)?)))
+    .collect::<Vec<_>>()
+    .join(", ")
 }

@@ -218,8 +218,7 @@ fn arrays<'a>(
         let sampler = &images.flatten().next().unwrap_or(fallback).sampler;
         return Ok((Found::One(wgpu::BindingResource::Sampler(sampler)), None));
     }
-    let mut views: Vec<&wgpu::TextureView> =
-        images.map(|image| &*image.unwrap_or(fallback).texture_view).collect();
+    let mut views: Vec<&wgpu::TextureView> = images.map(|image| &*image.unwrap_or(fallback).texture_view).collect();
     let found = match entry.count {
         Some(count) => {
             // Some backends want every place of an array filled.

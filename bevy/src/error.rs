@@ -15,9 +15,7 @@ pub enum DeferredAaError {
     )]
     Jitter,
     /// The camera renders at another resolution than its target's.
-    #[error(
-        "the camera has a MainPassResolutionOverride, as upscalers use it; remove that, or DeferredAa"
-    )]
+    #[error("the camera has a MainPassResolutionOverride, as upscalers use it; remove that, or DeferredAa")]
     ResolutionOverride,
     /// Two-phase occlusion culling draws a mesh in one of two halves of the prepass.
     #[error("the camera has OcclusionCulling, whose second half can't be drawn again; remove that, or DeferredAa")]

@@ -58,8 +58,8 @@ use bevy_asset::embedded_asset;
 use bevy_core_pipeline::core_3d::main_opaque_pass_3d;
 use bevy_core_pipeline::schedule::{Core3d, Core3dSystems};
 use bevy_ecs::prelude::*;
-use bevy_pbr::{DefaultOpaqueRendererMethod, screen_space_reflections};
 use bevy_pbr::deferred::deferred_lighting;
+use bevy_pbr::{DefaultOpaqueRendererMethod, screen_space_reflections};
 use bevy_render::{ExtractSchedule, GpuResourceAppExt, Render, RenderApp, RenderStartup, RenderSystems};
 
 /// Adds [`DeferredAa`] to an app. It comes after Bevy's own plugins.
@@ -96,10 +96,7 @@ impl Plugin for DeferredAaPlugin {
             .add_systems(ExtractSchedule, (extract::cameras, program::extract_shaders))
             .add_systems(
                 Render,
-                (
-                    view::prepare.in_set(RenderSystems::PrepareViews),
-                    view::finish.in_set(RenderSystems::Cleanup),
-                ),
+                (view::prepare.in_set(RenderSystems::PrepareViews), view::finish.in_set(RenderSystems::Cleanup)),
             )
             .configure_sets(
                 Core3d,
@@ -113,10 +110,7 @@ impl Plugin for DeferredAaPlugin {
             )
             .add_systems(
                 Core3d,
-                (
-                    raster::raster.in_set(DeferredAaSystems::Raster),
-                    view::shade.in_set(DeferredAaSystems::Shade),
-                ),
+                (raster::raster.in_set(DeferredAaSystems::Raster), view::shade.in_set(DeferredAaSystems::Shade)),
             );
     }
 }

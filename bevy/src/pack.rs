@@ -44,7 +44,8 @@ impl PackPipelines {
         texels: &wgpu::TextureView,
         lighting_passes: &wgpu::TextureView,
     ) -> wgpu::BindGroup {
-        let entry = |binding, view| wgpu::BindGroupEntry { binding, resource: wgpu::BindingResource::TextureView(view) };
+        let entry =
+            |binding, view| wgpu::BindGroupEntry { binding, resource: wgpu::BindingResource::TextureView(view) };
         device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("deferred_aa_pack"),
             layout: &self.layout,

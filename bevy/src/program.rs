@@ -13,8 +13,8 @@ use bevy_render::renderer::RenderDevice;
 use bevy_shader::{Shader, ShaderCache, ShaderCacheError, ShaderCacheSource, ShaderDefVal};
 use bevy_tasks::{AsyncComputeTaskPool, Task, block_on, poll_once};
 use deferred_aa::{
-    BuildError, Channels, DeferredAa, Depth, Descriptor, GBufferTier, HOST_GROUP, Needs, SECOND_HOST_GROUP, Settings, Shading, TextureTier,
-    wgpu,
+    BuildError, Channels, DeferredAa, Depth, Descriptor, GBufferTier, HOST_GROUP, Needs, SECOND_HOST_GROUP, Settings,
+    Shading, TextureTier, wgpu,
 };
 use std::sync::Arc;
 
@@ -26,14 +26,8 @@ pub const IMAGE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
 /// What the node writes besides the image: the depth that what Bevy draws over it is tested against. The nearest of a
 /// pixel, so that the skybox leaves pixels at an edge alone.
-pub const NEEDS: Needs<'static> = Needs {
-    depth: Some(Depth::Nearest),
-    rays: None,
-    shadows: &[],
-    reflective: &[],
-    textured: &[],
-    importance: &[],
-};
+pub const NEEDS: Needs<'static> =
+    Needs { depth: Some(Depth::Nearest), rays: None, shadows: &[], reflective: &[], textured: &[], importance: &[] };
 
 /// The bindings of our own WGSL in the host's group, beyond those of Bevy's.
 pub mod own {
@@ -64,9 +58,8 @@ pub struct Composer {
 impl FromWorld for Composer {
     fn from_world(world: &mut World) -> Self {
         let buffers = world.resource::<RenderDevice>().limits().max_storage_buffers_per_shader_stage;
-        let at_least = |n: u32| {
-            ShaderDefVal::Bool(format!("AVAILABLE_STORAGE_BUFFER_BINDINGS__GE_{n}").into(), buffers >= n)
-        };
+        let at_least =
+            |n: u32| ShaderDefVal::Bool(format!("AVAILABLE_STORAGE_BUFFER_BINDINGS__GE_{n}").into(), buffers >= n);
         let text = |_: &(), source: ShaderCacheSource<'_>, _: &_| match source {
             ShaderCacheSource::Wgsl(text) => Ok(text),
             ShaderCacheSource::SpirV(_) => Err(ShaderCacheError::ProcessShaderError("SPIR-V can't be joined".into())),
@@ -174,7 +167,9 @@ impl Programs {
                     self.numbers.push(key);
                     self.numbers.len() - 1
                 });
-                let Some(source) = compose(key, number, (composer, root, lighting)).transpose() else { return Ok(None) };
+                let Some(source) = compose(key, number, (composer, root, lighting)).transpose() else {
+                    return Ok(None);
+                };
                 let state = match source {
                     Ok(source) => State::Building(build(source, key.m, *settings, device.wgpu_device().clone())),
                     Err(e) => State::Failed(e),
@@ -253,26 +248,17 @@ fn is(definition: &ShaderDefVal, name: &str) -> bool {
 
 fn own_entries(skybox: bool) -> Vec<wgpu::BindGroupLayoutEntry> {
     use wgpu::TextureSampleType::{Float, Uint};
-    let entry = |binding, ty| wgpu::BindGroupLayoutEntry {
-        binding,
-        visibility: wgpu::ShaderStages::COMPUTE,
-        ty,
-        count: None,
-    };
-    let texture = |sample_type, view_dimension| wgpu::BindingType::Texture {
-        sample_type,
-        view_dimension,
-        multisampled: false,
-    };
+    let entry =
+        |binding, ty| wgpu::BindGroupLayoutEntry { binding, visibility: wgpu::ShaderStages::COMPUTE, ty, count: None };
+    let texture =
+        |sample_type, view_dimension| wgpu::BindingType::Texture { sample_type, view_dimension, multisampled: false };
     let uniform = |has_dynamic_offset| wgpu::BindingType::Buffer {
         ty: wgpu::BufferBindingType::Uniform,
         has_dynamic_offset,
         min_binding_size: None,
     };
-    let mut entries = vec![
-        entry(own::TEXELS, texture(Uint, wgpu::TextureViewDimension::D2)),
-        entry(own::VIEW, uniform(false)),
-    ];
+    let mut entries =
+        vec![entry(own::TEXELS, texture(Uint, wgpu::TextureViewDimension::D2)), entry(own::VIEW, uniform(false))];
     if skybox {
         entries.extend([
             entry(own::SKYBOX, texture(Float { filterable: true }, wgpu::TextureViewDimension::Cube)),

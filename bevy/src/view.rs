@@ -12,8 +12,8 @@ use bevy_core_pipeline::deferred::{DEFERRED_LIGHTING_PASS_ID_FORMAT, DEFERRED_PR
 use bevy_ecs::prelude::*;
 use bevy_light::Skybox;
 use bevy_math::UVec4;
-use bevy_pbr::{MeshPipelineKey, ViewKeyCache};
 use bevy_pbr::deferred::{DeferredLightingLayout, PbrDeferredLightingDepthId, SkipDeferredLighting};
+use bevy_pbr::{MeshPipelineKey, ViewKeyCache};
 use bevy_render::camera::ExtractedCamera;
 use bevy_render::diagnostic::RecordDiagnostics;
 use bevy_render::render_asset::RenderAssets;
@@ -21,8 +21,8 @@ use bevy_render::render_resource::StoreOp;
 use bevy_render::renderer::{RenderContext, RenderDevice, RenderQueue, ViewQuery};
 use bevy_render::texture::GpuImage;
 use bevy_render::view::{ExtractedView, Msaa, ViewDepthStencilTexture, ViewTarget};
-use deferred_aa::glam::Mat4;
 use bevy_tasks::{AsyncComputeTaskPool, Task, block_on, poll_once};
+use deferred_aa::glam::Mat4;
 use deferred_aa::{Camera, DeferredAa, Frame, Settings, wgpu};
 use std::sync::Arc;
 
@@ -182,7 +182,13 @@ fn ready(
     let prepare = |node: &mut ViewNode| {
         node.settings = Some(node.compiled(settings)?);
         node.statistics = aa.settings.statistics;
-        node.resize(preparing.device.wgpu_device(), &preparing.queue, view.viewport, lighting_pass, (&preparing.pack, &preparing.composite))
+        node.resize(
+            preparing.device.wgpu_device(),
+            &preparing.queue,
+            view.viewport,
+            lighting_pass,
+            (&preparing.pack, &preparing.composite),
+        )
     };
     let generation = preparing.programs.generation;
     match node.filter(|node| node.key == key && node.generation == generation) {
@@ -311,7 +317,14 @@ impl Targets {
 
 /// Shades the samples and draws the image over the camera's target.
 pub fn shade(
-    view: ViewQuery<(&ExtractedDeferredAa, &ExtractedView, &ViewTarget, &ViewDepthStencilTexture, OfView, &mut ViewNode)>,
+    view: ViewQuery<(
+        &ExtractedDeferredAa,
+        &ExtractedView,
+        &ViewTarget,
+        &ViewDepthStencilTexture,
+        OfView,
+        &mut ViewNode,
+    )>,
     shared: Shared,
     queue: Res<RenderQueue>,
     pack: Res<PackPipelines>,

@@ -15,11 +15,11 @@ use bevy_deferred_aa::{DeferredAa, DeferredAaError, DeferredAaState};
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::Schedules;
 use bevy_math::UVec2;
-use bevy_reflect::{GetPath, Reflect, PartialReflect};
-use bevy_shader::Shader;
+use bevy_reflect::{GetPath, PartialReflect};
 use bevy_render::RenderApp;
 use bevy_render::camera::TemporalJitter;
 use bevy_render::occlusion_culling::OcclusionCulling;
+use bevy_shader::Shader;
 use support::picture::Picture;
 use support::{Stage, scene};
 
@@ -67,7 +67,7 @@ fn all_samples_are_the_mean_of_bevys_own_larger_image() {
 #[test]
 fn presets_are_close_to_all_samples_for_fewer() {
     let (mut stage, camera, target) = stage(SIZE);
-    insert(&mut stage, camera, DeferredAa::full(4));
+    insert(&mut stage, camera, DeferredAa::full(DeferredAa::default().m));
     let full = stage.picture(&target);
     for preset in Preset::ALL {
         insert(&mut stage, camera, DeferredAa::preset(preset));
@@ -143,9 +143,8 @@ fn the_passes_come_between_bevys_prepass_and_its_main_pass() {
     let world = stage.app.sub_app(RenderApp).world();
     let schedule = world.resource::<Schedules>().get(Core3d).expect("Core3d");
     let names: Vec<String> = schedule.systems().expect("built").map(|(_, system)| system.name().to_string()).collect();
-    let place = |name: &str| {
-        names.iter().position(|n| n.ends_with(name)).unwrap_or_else(|| panic!("no {name} in {names:#?}"))
-    };
+    let place =
+        |name: &str| names.iter().position(|n| n.ends_with(name)).unwrap_or_else(|| panic!("no {name} in {names:#?}"));
     let order = [
         "early_deferred_prepass",
         "copy_deferred_lighting_id",
@@ -228,8 +227,11 @@ fn split_screens_show_what_whole_ones_do() {
     let places = [[0, 0], [SIZE[0] + 7, SIZE[1] + 3]];
     let cameras = places.map(|[x, y]| {
         let camera = stage.camera(&large, (surroundings.clone(), scene::eye(), DeferredAa::full(2)));
-        let viewport =
-            Viewport { physical_position: UVec2::new(x, y), physical_size: UVec2::from_array(SIZE), ..Default::default() };
+        let viewport = Viewport {
+            physical_position: UVec2::new(x, y),
+            physical_size: UVec2::from_array(SIZE),
+            ..Default::default()
+        };
         let mut settings = stage.world().get_mut::<bevy_camera::Camera>(camera).expect("a camera");
         settings.viewport = Some(viewport);
         settings.order = isize::from(x > 0) + 1;
@@ -284,19 +286,20 @@ fn sizes_techniques_and_the_component_change_without_complaint() {
 }
 
 #[test]
-fn a_target_without_pixels_is_no_trouble() {
+fn a_camera_that_rests_holds_nothing_and_comes_back() {
     let (mut stage, camera, target) = stage([64, 48]);
     insert(&mut stage, camera, DeferredAa::full(2));
     let before = stage.picture(&target);
-    // A viewport as of a window that is minimised.
-    let viewport = |size| Viewport { physical_size: size, ..Default::default() };
-    let set = |stage: &mut Stage, viewport| {
-        stage.world().get_mut::<bevy_camera::Camera>(camera).expect("a camera").viewport = viewport;
+    let activate = |stage: &mut Stage, is_active| {
+        stage.world().get_mut::<bevy_camera::Camera>(camera).expect("a camera").is_active = is_active;
         stage.run(3);
     };
-    set(&mut stage, Some(viewport(UVec2::new(0, 48))));
-    set(&mut stage, Some(viewport(UVec2::ONE)));
-    set(&mut stage, None);
+    activate(&mut stage, false);
+    activate(&mut stage, true);
+    resize(&mut stage, &target, [1, 1]);
+    stage.run(3);
+    resize(&mut stage, &target, [64, 48]);
+    stage.run(3);
     assert!(stage.picture(&target) == before, "the image differs");
     assert_eq!(stage.complaints(), Vec::<String>::new());
 }

@@ -106,10 +106,8 @@ fn every_technique_knows_its_texel_and_both_groups_with_their_offsets() {
         }
         assert_eq!(gpu.take_errors(), Vec::<String>::new());
 
-        let frame = Frame {
-            host_bind_group: Some(&first),
-            ..Frame::new(harness::camera(WIDTH as f32 / HEIGHT as f32), &view)
-        };
+        let frame =
+            Frame { host_bind_group: Some(&first), ..Frame::new(harness::camera(WIDTH as f32 / HEIGHT as f32), &view) };
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         assert_eq!(aa.record(&gpu.queue, &mut encoder, &frame), Err(RecordError::SecondBindGroup));
     }
@@ -119,7 +117,8 @@ fn every_technique_knows_its_texel_and_both_groups_with_their_offsets() {
 fn a_texture_table_leaves_the_host_one_group() {
     let gpu = harness::device(TextureTier::None);
     let [first, second] = [0, 3].map(|binding| layout(&gpu, binding, wgpu::BufferBindingType::Uniform));
-    let source = "@group(2) @binding(0) var<uniform> factor: vec4f;\nfn shade(s: DaaSample) -> vec4f { return factor; }";
+    let source =
+        "@group(2) @binding(0) var<uniform> factor: vec4f;\nfn shade(s: DaaSample) -> vec4f { return factor; }";
     let shading = Shading { source, file: "test.wgsl" };
     let with_table = Descriptor { shading, ..descriptor(2, TextureTier::Arrays) };
     let built = DeferredAa::with_groups(&gpu.device, &with_table, [Some(&first), Some(&second)]).map(drop);

@@ -191,7 +191,8 @@ fn groups() {
 /// A file may hold the host's own passes: they are left out, and errors behind them keep their places.
 #[test]
 fn entry_points_are_the_hosts_own_business() {
-    let passes = "@compute @workgroup_size(8, 8)\nfn cull(@builtin(global_invocation_id) id: vec3u) { if id.x > 0u { return; } }
+    let passes =
+        "@compute @workgroup_size(8, 8)\nfn cull(@builtin(global_invocation_id) id: vec3u) { if id.x > 0u { return; } }
 struct Varyings { @builtin(position) clip: vec4f, @location(0) compute: vec2f }
 @vertex fn vertex(@builtin(vertex_index) i: u32) -> Varyings { return Varyings(vec4f(f32(i)), vec2f(0.0)); }
 /* } */ @fragment

@@ -7,22 +7,22 @@ pub mod picture;
 pub mod scene;
 
 use bevy_app::prelude::*;
+use bevy_asset::RecursiveDependencyLoadState;
 use bevy_asset::prelude::*;
 use bevy_camera::RenderTarget;
+use bevy_camera::primitives::Aabb;
 use bevy_core_pipeline::tonemapping::Tonemapping;
 use bevy_deferred_aa::deferred_aa::wgpu;
 use bevy_deferred_aa::{DeferredAaPlugin, DeferredAaState, DeferredAaStatus};
 use bevy_ecs::prelude::*;
 use bevy_image::prelude::*;
+use bevy_math::Vec3;
 use bevy_render::RenderApp;
 use bevy_render::error_handler::{RenderErrorHandler, RenderErrorPolicy};
 use bevy_render::render_asset::RenderAssets;
 use bevy_render::render_resource::{TextureFormat, TextureUsages};
 use bevy_render::renderer::{RenderDevice, RenderQueue};
 use bevy_render::texture::GpuImage;
-use bevy_camera::primitives::Aabb;
-use bevy_asset::RecursiveDependencyLoadState;
-use bevy_math::Vec3;
 use bevy_time::TimeUpdateStrategy;
 use bevy_transform::prelude::*;
 use bevy_world_serialization::{WorldAsset, WorldAssetRoot};
@@ -51,7 +51,11 @@ impl Stage {
             bevy_transform::TransformPlugin,
             bevy_diagnostic::DiagnosticsPlugin,
             bevy_window::WindowPlugin { primary_window: None, ..Default::default() },
-            AssetPlugin { file_path: assets(), unapproved_path_mode: bevy_asset::UnapprovedPathMode::Allow, ..Default::default() },
+            AssetPlugin {
+                file_path: assets(),
+                unapproved_path_mode: bevy_asset::UnapprovedPathMode::Allow,
+                ..Default::default()
+            },
             bevy_world_serialization::WorldSerializationPlugin,
         ));
         // One logger for all apps of a process.
@@ -150,7 +154,9 @@ impl Stage {
             match server.recursive_dependency_load_state(&scene) {
                 RecursiveDependencyLoadState::Loaded => break,
                 RecursiveDependencyLoadState::Failed(e) => return Err(format!("{file}: {e}")),
-                _ if start.elapsed() > Duration::from_secs(120) => return Err(format!("{file} did not load in two minutes")),
+                _ if start.elapsed() > Duration::from_secs(120) => {
+                    return Err(format!("{file} did not load in two minutes"));
+                }
                 _ => std::thread::sleep(Duration::from_millis(5)),
             }
         }

@@ -58,11 +58,31 @@ impl Picture {
         let edge = |x: usize, y: usize| {
             let window = || (0..m * m).map(|i| self.pixels[(y * m + i / m) * self.size[0] + x * m + i % m]);
             (0..3).any(|c| {
-                let (least, most) = window().map(|p| displayed(p[c])).fold((1.0f64, 0.0f64), |(a, b), v| (a.min(v), b.max(v)));
+                let (least, most) =
+                    window().map(|p| displayed(p[c])).fold((1.0f64, 0.0f64), |(a, b), v| (a.min(v), b.max(v)));
                 most - least > 0.1
             })
         };
         (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| edge(x, y)).collect()
+    }
+
+    /// The same part of several pictures side by side, enlarged: the part's place and size as shares of a picture.
+    pub fn strip(pictures: &[&Self], [x, y]: [f32; 2], [width, height]: [f32; 2], zoom: usize) -> Self {
+        let [whole_width, whole_height] = pictures[0].size.map(|side| side as f32);
+        let (x, y) = ((x * whole_width) as usize, (y * whole_height) as usize);
+        let [width, height] = [width * whole_width, height * whole_height].map(|side| side as usize);
+        let gap = 4;
+        let part = width * zoom + gap;
+        let texel = |column: usize, row: usize| {
+            let (picture, within) = (pictures[column / part], column % part);
+            if within >= width * zoom {
+                return [f32::MAX; 3];
+            }
+            picture.pixels[(y + row / zoom) * picture.size[0] + x + within / zoom]
+        };
+        let size = [part * pictures.len() - gap, height * zoom];
+        let places = (0..size[1]).flat_map(|row| (0..size[0]).map(move |column| (column, row)));
+        Self { size, pixels: places.map(|(column, row)| texel(column, row)).collect() }
     }
 
     /// Writes a PNG, as displayed.
@@ -76,6 +96,6 @@ impl Picture {
 
 fn displayed(c: f32) -> f64 {
     let c = f64::from(c).max(0.0);
-    let c = c / (1.0 + c);
+    let c = if c > 1e30 { 1.0 } else { c / (1.0 + c) };
     if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 }
 }

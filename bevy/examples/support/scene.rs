@@ -9,13 +9,15 @@ use bevy_image::prelude::*;
 use bevy_image::{ImageAddressMode, ImageFilterMode, ImageSampler, ImageSamplerDescriptor};
 use bevy_light::prelude::*;
 use bevy_light::{CascadeShadowConfigBuilder, EnvironmentMapLight, Skybox};
+use bevy_material::AlphaMode;
 use bevy_math::prelude::*;
 use bevy_mesh::prelude::*;
 use bevy_mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
 use bevy_mesh::{Indices, PrimitiveTopology, VertexAttributeValues};
 use bevy_pbr::{DistanceFog, FogFalloff, MeshMaterial3d, StandardMaterial};
-use bevy_material::AlphaMode;
-use bevy_render::render_resource::{Extent3d, TextureDimension, TextureFormat, TextureViewDescriptor, TextureViewDimension};
+use bevy_render::render_resource::{
+    Extent3d, TextureDimension, TextureFormat, TextureViewDescriptor, TextureViewDimension,
+};
 use bevy_shape::prelude::*;
 use bevy_transform::prelude::*;
 
@@ -87,12 +89,8 @@ pub fn spawn(world: &mut World) {
     };
     let glowing = StandardMaterial { emissive: LinearRgba::rgb(4.0, 2.0, 0.5), ..Default::default() };
     let unlit = StandardMaterial { base_color: Color::srgb(0.1, 0.5, 0.9), unlit: true, ..Default::default() };
-    let masked = StandardMaterial {
-        alpha_mode: AlphaMode::Mask(0.5),
-        double_sided: true,
-        cull_mode: None,
-        ..textured(&leaves)
-    };
+    let masked =
+        StandardMaterial { alpha_mode: AlphaMode::Mask(0.5), double_sided: true, cull_mode: None, ..textured(&leaves) };
     let at = Transform::from_xyz;
     let turned = |t: Transform, angle: f32| t.with_rotation(Quat::from_euler(EulerRot::YXZ, angle, angle * 0.5, 0.0));
     let meshes = [
@@ -104,7 +102,11 @@ pub fn spawn(world: &mut World) {
         (cube.clone(), unlit, turned(at(1.1, 0.3, 2.4), 0.4).with_scale(Vec3::splat(0.4))),
         (leaf.clone(), masked.clone(), turned(at(-3.2, 1.0, -1.5), 0.3)),
         (leaf, masked, turned(at(3.4, 1.0, -1.2), -0.5)),
-        (cube, StandardMaterial::from(Color::srgb(0.7, 0.7, 0.7)), at(0.0, 1.5, -4.0).with_scale(Vec3::new(9.0, 3.0, 0.2))),
+        (
+            cube,
+            StandardMaterial::from(Color::srgb(0.7, 0.7, 0.7)),
+            at(0.0, 1.5, -4.0).with_scale(Vec3::new(9.0, 3.0, 0.2)),
+        ),
     ];
     for (mesh, material, transform) in meshes {
         let material = world.resource_mut::<Assets<StandardMaterial>>().add(material);
@@ -118,7 +120,12 @@ pub fn spawn(world: &mut World) {
         at(3.0, 6.0, 4.0).looking_at(Vec3::ZERO, Vec3::Y),
     ));
     world.spawn((
-        PointLight { intensity: 200_000.0, color: Color::srgb(1.0, 0.7, 0.4), shadow_maps_enabled: true, ..Default::default() },
+        PointLight {
+            intensity: 200_000.0,
+            color: Color::srgb(1.0, 0.7, 0.4),
+            shadow_maps_enabled: true,
+            ..Default::default()
+        },
         at(-2.5, 2.5, 2.5),
     ));
     world.spawn((
@@ -271,7 +278,8 @@ fn cube_map(world: &mut World, side: u32, radiance: impl Fn(Vec3) -> Vec3) -> Ha
         }
     }
     let size = Extent3d { width: side, height: side, depth_or_array_layers: 6 };
-    let mut image = Image::new(size, TextureDimension::D2, data, TextureFormat::Rgba32Float, RenderAssetUsages::RENDER_WORLD);
+    let mut image =
+        Image::new(size, TextureDimension::D2, data, TextureFormat::Rgba32Float, RenderAssetUsages::RENDER_WORLD);
     image.texture_view_descriptor =
         Some(TextureViewDescriptor { dimension: Some(TextureViewDimension::Cube), ..Default::default() });
     world.resource_mut::<Assets<Image>>().add(image)

@@ -133,7 +133,9 @@ impl World {
         let (wide, rounding) = (wide(ray), self.rounding(ray));
         let own = self.owners.iter().position(|owner| (owner.0, owner.1) == (hit.instance, hit.triangle));
         let reach = match own {
-            Some(own) if self.is_beside(&wide, hit, own, rounding, thin) => f64::from(hit.t) - self.error(&wide, hit, own, thin),
+            Some(own) if self.is_beside(&wide, hit, own, rounding, thin) => {
+                f64::from(hit.t) - self.error(&wide, hit, own, thin)
+            }
             Some(_) => return false,
             None if hit.instance == MISS => wide.t_max,
             None => return false,
