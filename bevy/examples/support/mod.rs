@@ -160,9 +160,16 @@ impl Stage {
                 _ => std::thread::sleep(Duration::from_millis(5)),
             }
         }
-        self.run(4);
-        scene::spawn_sun(self.world());
-        Ok(self.facing())
+        // Its entities come some frames after the asset.
+        for _ in 0..100 {
+            self.run(1);
+            if self.app.world_mut().query::<&Aabb>().iter(self.app.world()).next().is_some() {
+                self.run(2);
+                scene::spawn_sun(self.world());
+                return Ok(self.facing());
+            }
+        }
+        Err(format!("{file} has no meshes"))
     }
 
     /// Where a camera sees all meshes, from the front and a little above.
