@@ -15,11 +15,14 @@ use bevy_deferred_aa::{DeferredAa, DeferredAaError, DeferredAaState};
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::Schedules;
 use bevy_math::UVec2;
+use bevy_mesh::{Mesh, Mesh3d};
+use bevy_pbr::{MeshMaterial3d, StandardMaterial};
 use bevy_reflect::{GetPath, PartialReflect};
 use bevy_render::RenderApp;
 use bevy_render::camera::TemporalJitter;
 use bevy_render::occlusion_culling::OcclusionCulling;
 use bevy_shader::Shader;
+use bevy_transform::prelude::*;
 use support::picture::Picture;
 use support::{Stage, scene};
 
@@ -62,6 +65,31 @@ fn all_samples_are_the_mean_of_bevys_own_larger_image() {
         assert_eq!(stage.complaints(), Vec::<String>::new());
         assert!(shown >= 50.0 && linear >= 50.0, "m = {m}: {shown} dB, {linear} dB");
     }
+}
+
+/// A material with a lighting pass of its own is drawn into the G-buffer, and not lit.
+#[test]
+fn what_other_passes_light_is_left_to_them() {
+    let with_own_pass = |size: [u32; 2]| {
+        let (mut stage, camera, target) = stage(size);
+        let world = stage.world();
+        let mesh = world.resource_mut::<Assets<Mesh>>().add(Mesh::from(bevy_shape::prelude::Sphere::new(0.8)));
+        let material = StandardMaterial { deferred_lighting_pass_id: 7, ..Default::default() };
+        let material = world.resource_mut::<Assets<StandardMaterial>>().add(material);
+        world.spawn((Mesh3d(mesh), MeshMaterial3d(material), Transform::from_xyz(0.0, 1.2, 2.0)));
+        world.insert_resource(bevy_camera::ClearColor(bevy_color::Color::linear_rgb(0.0, 3.0, 0.0)));
+        stage.run(12);
+        (stage, camera, target)
+    };
+    let (mut large, _, large_target) = with_own_pass(SIZE.map(|side| side * 2));
+    let truth = large.picture(&large_target).reduced(2);
+    let green = truth.pixels.iter().filter(|p| p[1] > 2.5 && p[0] < 0.1).count();
+    assert!(green > truth.pixels.len() / 50, "{green} pixels show what lies below");
+    let (mut stage, camera, target) = with_own_pass(SIZE);
+    insert(&mut stage, camera, DeferredAa::full(2));
+    let psnr = stage.picture(&target).psnr(&truth);
+    assert!(psnr >= 50.0, "{psnr} dB");
+    assert_eq!(stage.complaints(), Vec::<String>::new());
 }
 
 #[test]
