@@ -61,7 +61,12 @@ fn main() {
         bevy_diagnostic::DiagnosticsPlugin,
         bevy_input::InputPlugin,
         WindowPlugin {
-            primary_window: Some(Window { title: "DeferredAa".to_owned(), ..Default::default() }),
+            primary_window: Some(Window {
+                title: "DeferredAa".to_owned(),
+                resolution: (960, 540).into(),
+                present_mode: bevy_window::PresentMode::AutoNoVsync,
+                ..Default::default()
+            }),
             ..Default::default()
         },
         bevy_a11y::AccessibilityPlugin,
