@@ -5,9 +5,7 @@
 //! Space switches it on and off, 1 to 3 choose a preset, 4 shades all samples, M steps through 1 to 4 samples a side,
 //! the arrow keys turn the camera, and + and − move it.
 
-#[path = "support/scene.rs"]
-#[allow(dead_code)]
-mod scene;
+mod support;
 
 use bevy_app::prelude::*;
 use bevy_asset::prelude::*;
@@ -21,13 +19,13 @@ use bevy_deferred_aa::{DeferredAa, DeferredAaPlugin, DeferredAaState, DeferredAa
 use bevy_diagnostic::DiagnosticsStore;
 use bevy_ecs::prelude::*;
 use bevy_gizmos::prelude::*;
-use bevy_image::ImagePlugin;
 use bevy_input::prelude::*;
 use bevy_math::prelude::*;
 use bevy_time::Time;
 use bevy_transform::prelude::*;
-use bevy_window::{Window, WindowPlugin};
+use bevy_window::Window;
 use bevy_world_serialization::WorldAssetRoot;
+use support::{plugins, scene};
 
 /// What the camera turns about, and from how far.
 #[derive(Component)]
@@ -52,43 +50,13 @@ fn main() {
         std::process::exit(2);
     }
     let mut app = App::new();
-    app.add_plugins((
-        bevy_app::TaskPoolPlugin::default(),
-        bevy_log::LogPlugin { level: bevy_log::Level::WARN, ..Default::default() },
-        bevy_diagnostic::FrameCountPlugin,
-        bevy_time::TimePlugin,
-        bevy_transform::TransformPlugin,
-        bevy_diagnostic::DiagnosticsPlugin,
-        bevy_input::InputPlugin,
-        WindowPlugin {
-            primary_window: Some(Window {
-                title: "DeferredAa".to_owned(),
-                resolution: (960, 540).into(),
-                present_mode: bevy_window::PresentMode::AutoNoVsync,
-                ..Default::default()
-            }),
-            ..Default::default()
-        },
-        bevy_a11y::AccessibilityPlugin,
-        AssetPlugin { unapproved_path_mode: bevy_asset::UnapprovedPathMode::Allow, ..Default::default() },
-        bevy_world_serialization::WorldSerializationPlugin,
-        bevy_winit::WinitPlugin::default(),
-    ));
-    app.add_plugins((
-        bevy_render::RenderPlugin::default(),
-        ImagePlugin::default(),
-        bevy_mesh::MeshPlugin,
-        bevy_camera::CameraPlugin,
-        bevy_light::LightPlugin,
-        bevy_core_pipeline::CorePipelinePlugin,
-        bevy_post_process::PostProcessPlugin,
-        bevy_gltf::GltfPlugin::default(),
-        bevy_pbr::PbrPlugin::default(),
-        bevy_animation::AnimationPlugin,
-        bevy_gizmos::GizmoPlugin,
-        bevy_gizmos_render::GizmoRenderPlugin,
-        bevy_render::diagnostic::RenderDiagnosticsPlugin,
-    ));
+    let window = Window {
+        title: "DeferredAa".to_owned(),
+        resolution: (960, 540).into(),
+        present_mode: bevy_window::PresentMode::AutoNoVsync,
+        ..Default::default()
+    };
+    plugins::add_to(&mut app, Some(window));
     app.add_plugins(DeferredAaPlugin)
         .insert_resource(Choice { on: true, aa: DeferredAa::default(), name: "balanced" })
         .add_systems(Startup, move |world: &mut World| setup(world, file.as_deref()))

@@ -1,6 +1,6 @@
 //! Draws the node's image and depth over the camera's.
 
-use crate::pack::fullscreen;
+use crate::fullscreen;
 use crate::view::Targets;
 use bevy_core_pipeline::core_3d::CORE_3D_DEPTH_FORMAT;
 use bevy_ecs::prelude::*;
@@ -81,7 +81,7 @@ impl CompositePipelines {
                 bias: wgpu::DepthBiasState::default(),
             };
             let source = include_str!("composite.wgsl");
-            fullscreen(device, "deferred_aa_composite", source, layout, &[Some(target)], Some(depth))
+            fullscreen::pipeline(device, "deferred_aa_composite", source, layout, &[Some(target)], Some(depth))
         });
     }
 

@@ -6,11 +6,6 @@
 /// x, y: the first pixel of the viewport.
 @group(0) @binding(2) var<uniform> view: vec4u;
 
-@vertex
-fn vertex(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
-    return vec4f(f32(i & 1u) * 4.0 - 1.0, f32(i >> 1u) * 4.0 - 1.0, 0.0, 1.0);
-}
-
 struct Pixel {
     @location(0) color: vec4f,
     @builtin(frag_depth) depth: f32,

@@ -42,6 +42,7 @@ mod composite;
 mod diagnostics;
 mod error;
 mod extract;
+mod fullscreen;
 mod pack;
 mod program;
 mod raster;
@@ -90,7 +91,7 @@ impl Plugin for DeferredAaPlugin {
             .insert_resource(program::RootShader(shader))
             .init_gpu_resource::<program::Composer>()
             .init_gpu_resource::<program::Programs>()
-            .init_gpu_resource::<pack::PackPipelines>()
+            .init_gpu_resource::<pack::PackPipeline>()
             .init_gpu_resource::<composite::CompositePipelines>()
             .add_systems(RenderStartup, view::forget)
             .add_systems(ExtractSchedule, (extract::cameras, program::extract_shaders))

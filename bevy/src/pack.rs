@@ -1,5 +1,6 @@
 //! Packs what the node's metrics read from Bevy's G-buffer into the node's.
 
+use crate::fullscreen;
 use crate::program::GBUFFER;
 use bevy_ecs::prelude::*;
 use bevy_render::diagnostic::{DiagnosticsRecorder, RecordDiagnostics};
@@ -8,12 +9,12 @@ use deferred_aa::{GBuffer, wgpu};
 
 /// The pipeline of pack.wgsl.
 #[derive(Resource)]
-pub struct PackPipelines {
+pub struct PackPipeline {
     layout: wgpu::BindGroupLayout,
     pipeline: wgpu::RenderPipeline,
 }
 
-impl FromWorld for PackPipelines {
+impl FromWorld for PackPipeline {
     fn from_world(world: &mut World) -> Self {
         let device = world.resource::<RenderDevice>().wgpu_device();
         let texture = |binding| wgpu::BindGroupLayoutEntry {
@@ -32,12 +33,12 @@ impl FromWorld for PackPipelines {
         });
         let source = [&GBUFFER.pack_wgsl(), include_str!("pack.wgsl")].join("\n");
         let targets = GBUFFER.color_targets();
-        let pipeline = fullscreen(device, "deferred_aa_pack", &source, &layout, &targets, None);
+        let pipeline = fullscreen::pipeline(device, "deferred_aa_pack", &source, &layout, &targets, None);
         Self { layout, pipeline }
     }
 }
 
-impl PackPipelines {
+impl PackPipeline {
     pub fn group(
         &self,
         device: &wgpu::Device,
@@ -71,45 +72,4 @@ impl PackPipelines {
         pass.draw(0..3, 0..1);
         span.end(&mut pass);
     }
-}
-
-/// A pipeline that covers its targets with one triangle; its entry points are `vertex` and `fragment`.
-pub fn fullscreen(
-    device: &wgpu::Device,
-    label: &str,
-    source: &str,
-    layout: &wgpu::BindGroupLayout,
-    targets: &[Option<wgpu::ColorTargetState>],
-    depth_stencil: Option<wgpu::DepthStencilState>,
-) -> wgpu::RenderPipeline {
-    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some(label),
-        source: wgpu::ShaderSource::Wgsl(source.into()),
-    });
-    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some(label),
-        bind_group_layouts: &[Some(layout)],
-        immediate_size: 0,
-    });
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some(label),
-        layout: Some(&layout),
-        vertex: wgpu::VertexState {
-            module: &module,
-            entry_point: Some("vertex"),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: &[],
-        },
-        primitive: wgpu::PrimitiveState::default(),
-        depth_stencil,
-        multisample: wgpu::MultisampleState::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: &module,
-            entry_point: Some("fragment"),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            targets,
-        }),
-        multiview_mask: None,
-        cache: None,
-    })
 }

@@ -3,11 +3,6 @@
 @group(0) @binding(0) var texels: texture_2d<u32>;
 @group(0) @binding(1) var lighting_passes: texture_2d<u32>;
 
-@vertex
-fn vertex(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
-    return vec4f(f32(i & 1u) * 4.0 - 1.0, f32(i >> 1u) * 4.0 - 1.0, 0.0, 1.0);
-}
-
 /// The unit vector of an octahedral code in 0 to 1.
 fn normal_of(code: vec2f) -> vec3f {
     let v = code * 2.0 - 1.0;

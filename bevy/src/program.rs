@@ -136,18 +136,14 @@ pub struct Programs {
     states: HashMap<ProgramKey, State>,
     /// The keys by the number under which the composer knows them.
     numbers: Vec<ProgramKey>,
-    /// Grows when programs are dropped, so that views let go of theirs.
-    pub generation: u64,
 }
 
 impl Programs {
-    /// Drops the programs with these numbers.
+    /// Drops the programs with these numbers; views let go of theirs when they get another.
     fn forget(&mut self, numbers: &[usize]) {
         for number in numbers {
-            if let Some(key) = self.numbers.get(*number)
-                && self.states.remove(key).is_some()
-            {
-                self.generation += 1;
+            if let Some(key) = self.numbers.get(*number) {
+                self.states.remove(key);
             }
         }
     }
@@ -290,7 +286,8 @@ fn build(source: Source, m: u32, settings: Settings, device: wgpu::Device) -> Ta
             BuildError::Missing(missing) => DeferredAaError::Adapter(missing),
             e => node_error(e),
         })?;
-        node.warm_up(&settings, &NEEDS).map_err(node_error)?;
+        // What these settings can't have is said when a frame has them; others may do.
+        let _ = node.warm_up(&settings, &NEEDS);
         Ok(Program { node, groups })
     })
 }

@@ -6,7 +6,7 @@ use crate::composite::CompositePipelines;
 use crate::diagnostics::{Report, Reports};
 use crate::error::DeferredAaError;
 use crate::extract::ExtractedDeferredAa;
-use crate::pack::PackPipelines;
+use crate::pack::PackPipeline;
 use crate::program::{Composer, IMAGE_FORMAT, NEEDS, Program, ProgramKey, Programs, RootShader, node_error};
 use bevy_core_pipeline::deferred::{DEFERRED_LIGHTING_PASS_ID_FORMAT, DEFERRED_PREPASS_FORMAT};
 use bevy_ecs::prelude::*;
@@ -26,14 +26,11 @@ use deferred_aa::glam::Mat4;
 use deferred_aa::{Camera, DeferredAa, Frame, Settings, wgpu};
 use std::sync::Arc;
 
-/// A camera's node, what it renders into, and what it was built for.
+/// A camera's node, and what it renders into.
 #[derive(Component)]
 pub struct ViewNode {
     node: DeferredAa,
     program: Arc<Program>,
-    key: ProgramKey,
-    /// Of [`Programs`], when the program was taken.
-    generation: u64,
     targets: Option<Targets>,
     /// Those of this frame, `None` if it is not anti-aliased.
     settings: Option<Settings>,
@@ -42,8 +39,8 @@ pub struct ViewNode {
     /// Settings whose pipelines are being compiled.
     compiling: Option<(Settings, Task<Result<(), DeferredAaError>>)>,
     statistics: bool,
-    /// Why a frame with this program and these settings could not be recorded.
-    failed: Option<(ProgramKey, Settings, DeferredAaError)>,
+    /// Why a frame with these settings could not be recorded.
+    failed: Option<(Settings, DeferredAaError)>,
 }
 
 /// The textures of a size, beside the node's own.
@@ -89,7 +86,7 @@ pub struct Preparing<'w> {
     lighting: Option<Res<'w, DeferredLightingLayout>>,
     keys: Res<'w, ViewKeyCache>,
     images: Res<'w, RenderAssets<GpuImage>>,
-    pack: Res<'w, PackPipelines>,
+    pack: Res<'w, PackPipeline>,
     composite: ResMut<'w, CompositePipelines>,
     reports: Res<'w, Reports>,
 }
@@ -124,11 +121,15 @@ pub fn prepare(mut commands: Commands, mut preparing: Preparing, mut views: View
             }
             Err(e) => DeferredAaState::Refused(e),
         };
-        if state == DeferredAaState::Active {
-            entity_commands.insert(SkipDeferredLighting);
-        } else {
-            entity_commands.remove::<SkipDeferredLighting>();
-        }
+        match state {
+            DeferredAaState::Active => entity_commands.insert(SkipDeferredLighting),
+            DeferredAaState::Waiting => entity_commands.remove::<SkipDeferredLighting>(),
+            // A node that failed is kept, so that it does not fail anew in every frame.
+            DeferredAaState::Refused(_) if node.is_some_and(|node| node.failed.is_some()) => {
+                entity_commands.remove::<SkipDeferredLighting>()
+            }
+            DeferredAaState::Refused(_) => entity_commands.remove::<(ViewNode, SkipDeferredLighting)>(),
+        };
         preparing.reports.state(aa.camera, state);
     }
 }
@@ -168,14 +169,15 @@ fn ready(
     let image = skybox.and_then(|skybox| preparing.images.get(skybox.image.as_ref()?));
     let cube = image.and_then(|image| image.texture_view_descriptor.as_ref()?.dimension);
     let key = ProgramKey { m: aa.settings.m, mesh, skybox: cube == Some(wgpu::TextureViewDimension::Cube) };
-    if let Some((failed, with, e)) = node.as_ref().and_then(|node| node.failed.as_ref())
-        && (*failed, *with) == (key, settings)
-    {
-        return Err(e.clone());
-    }
     let shared = (&mut *preparing.composer, &*preparing.root, &**lighting);
     let device = &preparing.device;
     let Some(program) = preparing.programs.get(key, &settings, device, shared)? else { return Ok(Ready::Waiting) };
+    let node = node.filter(|node| Arc::ptr_eq(&node.program, &program));
+    if let Some((with, e)) = node.as_ref().and_then(|node| node.failed.as_ref())
+        && *with == settings
+    {
+        return Err(e.clone());
+    }
     let device = device.wgpu_device();
     preparing.composite.prepare(device, view.target_format);
 
@@ -190,8 +192,7 @@ fn ready(
             (&preparing.pack, &preparing.composite),
         )
     };
-    let generation = preparing.programs.generation;
-    match node.filter(|node| node.key == key && node.generation == generation) {
+    match node {
         Some(node) => {
             prepare(node)?;
             Ok(Ready::Kept)
@@ -200,8 +201,6 @@ fn ready(
             let mut node = ViewNode {
                 node: program.node.for_another_view(),
                 program,
-                key,
-                generation,
                 targets: None,
                 settings: None,
                 compiled: settings,
@@ -225,7 +224,8 @@ impl ViewNode {
         match &mut self.compiling {
             Some((compiling, task)) if *compiling == settings => {
                 if let Some(compiled) = block_on(poll_once(task)) {
-                    compiled?;
+                    self.compiling = None;
+                    compiled.inspect_err(|e| self.failed = Some((settings, e.clone())))?;
                 }
             }
             _ => {
@@ -243,7 +243,7 @@ impl ViewNode {
         queue: &wgpu::Queue,
         viewport: UVec4,
         lighting_pass: u32,
-        (pack, composite): (&PackPipelines, &CompositePipelines),
+        (pack, composite): (&PackPipeline, &CompositePipelines),
     ) -> Result<(), DeferredAaError> {
         let [x, y, width, height] = viewport.to_array();
         let (origin, size) = ([x, y], [width, height]);
@@ -268,7 +268,7 @@ impl Targets {
         device: &wgpu::Device,
         node: &DeferredAa,
         size: [u32; 2],
-        (pack, composite): (&PackPipelines, &CompositePipelines),
+        (pack, composite): (&PackPipeline, &CompositePipelines),
     ) -> Option<Self> {
         let gbuffer = node.gbuffer()?;
         let samples = [gbuffer.width, gbuffer.height];
@@ -327,13 +327,13 @@ pub fn shade(
     )>,
     shared: Shared,
     queue: Res<RenderQueue>,
-    pack: Res<PackPipelines>,
+    pack: Res<PackPipeline>,
     composite: Res<CompositePipelines>,
     reports: Res<Reports>,
     mut ctx: RenderContext,
 ) {
     let (aa, view, target, depth, of, mut node) = view.into_inner();
-    let ViewNode { node, program, key, targets: Some(targets), settings: Some(settings), statistics, failed, .. } =
+    let ViewNode { node, program, targets: Some(targets), settings: Some(settings), statistics, failed, .. } =
         &mut *node
     else {
         return;
@@ -342,7 +342,7 @@ pub fn shade(
     let bound = match bindings::bind(device.wgpu_device(), program, targets, (&shared, &of)) {
         Ok(bound) => bound,
         Err(e) => {
-            *failed = Some((*key, *settings, e));
+            *failed = Some((*settings, e));
             return;
         }
     };
@@ -376,7 +376,7 @@ pub fn shade(
     let recorded = node.record(&queue, encoder, &frame);
     span.end(encoder);
     if let Err(e) = recorded {
-        *failed = Some((*key, *settings, node_error(e)));
+        *failed = Some((*settings, node_error(e)));
         return;
     }
     composite.record(

@@ -10,7 +10,7 @@ use bevy_camera::Viewport;
 use bevy_core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
 use bevy_core_pipeline::schedule::Core3d;
 use bevy_core_pipeline::tonemapping::Tonemapping;
-use bevy_deferred_aa::deferred_aa::{Preset, Settings, Technique};
+use bevy_deferred_aa::deferred_aa::{Effect, Preset, Settings, Technique};
 use bevy_deferred_aa::{DeferredAa, DeferredAaError, DeferredAaState};
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::Schedules;
@@ -239,6 +239,34 @@ fn what_can_t_work_is_refused_and_rendered_without() {
     stage.world().entity_mut(camera).insert(TemporalJitter::default());
     stage.run(6);
     assert_eq!(stage.state(camera), DeferredAaState::Refused(DeferredAaError::Jitter));
+    assert_eq!(stage.complaints(), Vec::<String>::new());
+}
+
+/// Settings that no frame here can have, from the start and under way, and their mending.
+#[test]
+fn what_can_t_be_recorded_is_refused_until_it_changes() {
+    let (mut stage, camera, target) = stage([64, 48]);
+    stage.run(12);
+    let without = stage.picture(&target);
+    let vain = Settings { shadows: Effect::On, ..DeferredAa::default().settings };
+    let refused = |stage: &mut Stage| {
+        stage.world().entity_mut(camera).insert(DeferredAa { settings: vain, ..DeferredAa::default() });
+        let start = std::time::Instant::now();
+        while !matches!(stage.state(camera), DeferredAaState::Refused(_)) {
+            assert!(start.elapsed().as_secs() < 300, "not refused");
+            stage.run(1);
+        }
+        stage.run(6);
+        let DeferredAaState::Refused(e) = stage.state(camera) else { panic!("not refused any more") };
+        assert!(e.to_string().contains("Descriptor::rays"), "{e}");
+        assert!(stage.picture(&target) == without, "the image differs");
+    };
+    refused(&mut stage);
+    insert(&mut stage, camera, DeferredAa::default());
+    let with = stage.picture(&target);
+    refused(&mut stage);
+    insert(&mut stage, camera, DeferredAa::default());
+    assert!(stage.picture(&target) == with, "the image differs");
     assert_eq!(stage.complaints(), Vec::<String>::new());
 }
 

@@ -4,6 +4,7 @@
 #![allow(dead_code)]
 
 pub mod picture;
+pub mod plugins;
 pub mod scene;
 
 use bevy_app::prelude::*;
@@ -26,15 +27,13 @@ use bevy_render::texture::GpuImage;
 use bevy_time::TimeUpdateStrategy;
 use bevy_transform::prelude::*;
 use bevy_world_serialization::{WorldAsset, WorldAssetRoot};
+use half::f16;
 use picture::Picture;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// What wgpu complained of.
 #[derive(Resource, Default)]
 pub struct Complaints(pub Vec<String>);
-
-static LOGS: AtomicBool = AtomicBool::new(false);
 
 /// An app without a window.
 pub struct Stage {
@@ -44,40 +43,7 @@ pub struct Stage {
 impl Stage {
     pub fn new() -> Self {
         let mut app = App::new();
-        app.add_plugins((
-            bevy_app::TaskPoolPlugin::default(),
-            bevy_diagnostic::FrameCountPlugin,
-            bevy_time::TimePlugin,
-            bevy_transform::TransformPlugin,
-            bevy_diagnostic::DiagnosticsPlugin,
-            bevy_window::WindowPlugin { primary_window: None, ..Default::default() },
-            AssetPlugin {
-                file_path: assets(),
-                unapproved_path_mode: bevy_asset::UnapprovedPathMode::Allow,
-                ..Default::default()
-            },
-            bevy_world_serialization::WorldSerializationPlugin,
-        ));
-        // One logger for all apps of a process.
-        if !LOGS.swap(true, Ordering::Relaxed) {
-            app.add_plugins(bevy_log::LogPlugin { level: bevy_log::Level::WARN, ..Default::default() });
-        }
-        app.add_plugins((
-            bevy_render::RenderPlugin { synchronous_pipeline_compilation: true, ..Default::default() },
-            ImagePlugin::default(),
-            bevy_mesh::MeshPlugin,
-            bevy_camera::CameraPlugin,
-            bevy_light::LightPlugin,
-            bevy_core_pipeline::CorePipelinePlugin,
-            bevy_post_process::PostProcessPlugin,
-            bevy_anti_alias::AntiAliasPlugin,
-            bevy_gltf::GltfPlugin::default(),
-            bevy_pbr::PbrPlugin::default(),
-            bevy_animation::AnimationPlugin,
-            bevy_gizmos::GizmoPlugin,
-            bevy_gizmos_render::GizmoRenderPlugin,
-            bevy_render::diagnostic::RenderDiagnosticsPlugin,
-        ));
+        plugins::add_to(&mut app, None);
         app.add_plugins(DeferredAaPlugin);
         // The same moment in every frame and every run.
         app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f32(1.0 / 60.0)))
@@ -217,7 +183,7 @@ impl Stage {
         let bytes = buffer.slice(..).get_mapped_range().expect("mapped").to_vec();
         let texel = |x: usize, y: usize, channel: usize| {
             let at = y * row as usize + x * 8 + channel * 2;
-            half(u16::from_le_bytes([bytes[at], bytes[at + 1]]))
+            f16::from_le_bytes([bytes[at], bytes[at + 1]]).to_f32()
         };
         let size = [width as usize, height as usize];
         let places = (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (x, y)));
@@ -227,21 +193,5 @@ impl Stage {
     pub fn complaints(&mut self) -> Vec<String> {
         self.run(1);
         std::mem::take(&mut self.world().resource_mut::<Complaints>().0)
-    }
-}
-
-/// Where glTF files are looked for.
-fn assets() -> String {
-    std::env::var("DEFERRED_AA_SCENES").unwrap_or_else(|_| ".".to_owned())
-}
-
-fn half(bits: u16) -> f32 {
-    let sign = if bits >> 15 == 0 { 1.0 } else { -1.0 };
-    let mantissa = f32::from(bits & 0x3ff);
-    sign * match bits >> 10 & 0x1f {
-        0 => mantissa * 2f32.powi(-24),
-        31 if mantissa == 0.0 => f32::INFINITY,
-        31 => f32::NAN,
-        e => (1024.0 + mantissa) * 2f32.powi(i32::from(e) - 25),
     }
 }
