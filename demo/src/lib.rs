@@ -4,6 +4,7 @@
 
 #![deny(missing_docs)]
 
+pub mod bench;
 pub mod commands;
 mod files;
 pub mod host;

@@ -58,9 +58,14 @@ pub struct SceneArgs {
     /// Part of the adapter's name; `adapters` lists them.
     #[arg(long)]
     pub adapter: Option<String>,
-    /// Where results go; made if it is not there. The last one given counts.
+    /// Where results go; made if it is not there. If repeated, the last wins.
     #[arg(long, overrides_with = "out")]
     pub out: PathBuf,
+}
+
+/// A number of measured frames.
+pub fn frames() -> clap::builder::RangedI64ValueParser<u32> {
+    clap::value_parser!(u32).range(1..=10_000)
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -213,7 +218,7 @@ pub fn check_m(m: u32) -> Result<u32, CommandError> {
 }
 
 pub fn parse_size(text: &str) -> Result<(u32, u32), String> {
-    let cure = || format!("'{text}' is no size: write WIDTHxHEIGHT in pixels, such as 1024x768");
+    let cure = || format!("'{text}' is not a size: write WIDTHxHEIGHT in pixels, such as 1024x768");
     let (w, h) = text.split_once(['x', '×']).ok_or_else(cure)?;
     match (w.parse(), h.parse()) {
         (Ok(w), Ok(h)) if w > 0 && h > 0 => Ok((w, h)),
@@ -223,7 +228,7 @@ pub fn parse_size(text: &str) -> Result<(u32, u32), String> {
 
 /// Bytes as a whole number with a unit: of 1000 (KB, MB, GB) or of 1024 (KiB, MiB, GiB).
 pub fn parse_bytes(text: &str) -> Result<u64, String> {
-    let cure = || format!("'{text}' is no number of bytes: write one with a unit, such as 512MB or 2GiB");
+    let cure = || format!("'{text}' is not a number of bytes: write one with a unit, such as 512MB or 2GiB");
     let end = text.find(|c: char| !c.is_ascii_digit()).unwrap_or(text.len());
     let unit: u64 = match text[end..].trim().to_ascii_lowercase().as_str() {
         "" | "b" => 1,
@@ -244,7 +249,7 @@ pub fn parse_camera(text: &str) -> Result<CameraArg, String> {
     let numbers = numbers
         .ok()
         .filter(|n| (n.len() == 6 || n.len() == 7) && n.iter().all(|v| v.is_finite()))
-        .ok_or_else(|| format!("'{text}' is no camera: write x,y,z,tx,ty,tz or x,y,z,tx,ty,tz,fov"))?;
+        .ok_or_else(|| format!("'{text}' is not a camera: write x,y,z,tx,ty,tz or x,y,z,tx,ty,tz,fov"))?;
     let fov = numbers.get(6).copied().unwrap_or(60.0);
     let (eye, target) = (Vec3::from_slice(&numbers), Vec3::from_slice(&numbers[3..]));
     if !(1.0..=170.0).contains(&fov) {
@@ -291,7 +296,7 @@ mod tests {
         }
         for text in ["", "MB", "0", "-1MB", "1.5GB", "1TB", "512 MB and more", "99999999999999999999", "20000000000GB"]
         {
-            let told = format!("'{text}' is no number of bytes: write one with a unit, such as 512MB or 2GiB");
+            let told = format!("'{text}' is not a number of bytes: write one with a unit, such as 512MB or 2GiB");
             assert_eq!(parse_bytes(text), Err(told));
         }
     }

@@ -1,6 +1,6 @@
 //! `demo`: Single, Windowed and Full side by side, with what each costs.
 
-use super::args::{ViewArgs, parse_preset};
+use super::args::{ViewArgs, frames, parse_preset};
 use super::error::CommandError;
 use super::output::{say, write_json};
 use super::set;
@@ -22,7 +22,7 @@ pub struct Demo {
     #[arg(long = "set", value_name = "KEY=VALUE")]
     settings: Vec<String>,
     /// Measured frames of each technique, interleaved, after one that warms up.
-    #[arg(long, default_value_t = 3)]
+    #[arg(long, default_value_t = 3, value_parser = frames())]
     frames: u32,
 }
 
@@ -59,7 +59,7 @@ impl Demo {
             let (picture, counts) = (host.picture(), host.counts(technique));
             entries.push(Entry { title, settings, shots: Vec::new(), picture, counts });
         }
-        for _ in 0..self.frames.max(1) {
+        for _ in 0..self.frames {
             for entry in &mut entries {
                 let shot = host.frame(&camera, entry.settings)?;
                 entry.shots.push(shot);

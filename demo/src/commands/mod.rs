@@ -2,6 +2,7 @@
 
 mod adapters;
 mod args;
+mod bench;
 mod demo;
 mod error;
 mod output;
@@ -31,6 +32,9 @@ enum Command {
     /// Measures techniques over their settings against the truth: report.html, report.json, and pictures of every
     /// entry.
     Report(report::Report),
+    /// Measures the standing figures of this machine within minutes, on built-in scenes: a table, and bench.json to
+    /// send.
+    Bench(bench::Bench),
     /// Searches the settings of a technique for presets that reach given errors with the fewest samples on several
     /// scenes.
     Tune(tune::Tune),
@@ -51,6 +55,7 @@ impl Cli {
             Command::Render(render) => render.run(),
             Command::Demo(demo) => demo.run(),
             Command::Report(report) => report.run(),
+            Command::Bench(bench) => bench.run(),
             Command::Tune(tune) => tune.run(),
             Command::View(view) => view.run(),
             Command::Shaders(shaders) => shaders.run(),

@@ -1,6 +1,6 @@
 //! `render`: one technique on one view, with everything that it wrote.
 
-use super::args::{ViewArgs, parse_bytes};
+use super::args::{ViewArgs, frames, parse_bytes};
 use super::error::CommandError;
 use super::output::{say, write_json};
 use super::set::SettingsArgs;
@@ -23,7 +23,7 @@ pub struct Render {
     #[arg(long, value_name = "error=E|time=MS", value_parser = goal::parse)]
     goal: Option<Goal>,
     /// Measured frames, after one that warms up.
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, value_parser = frames())]
     frames: u32,
     /// The most that the node may hold, such as 512MB or 2GiB: renders in bands that fit it, and leaves the quality at
     /// edges out. Textures larger than the device allows are divided, too.
@@ -54,7 +54,7 @@ impl Render {
         }
 
         let mut shots = Vec::new();
-        for frame in 0..=self.frames.max(1) {
+        for frame in 0..=self.frames {
             let shot = host.frame(&camera, settings)?;
             if frame > 0 {
                 shots.push(shot);
@@ -93,8 +93,10 @@ impl Render {
         }
         image.write_exr(&out.join("image.exr"))?;
         picture::write_png(&picture::heat_map(&counts, width, height, n)?, &out.join("samples.png"))?;
+        let mut summary = None;
         if let Some(mut stats) = stats {
             stats.quality.grid = quality;
+            summary = Some(stats.summary());
             write_json(&out.join("stats.json"), &stats)?;
         }
         if let Some(rays) = &host.rays {
@@ -105,7 +107,8 @@ impl Render {
         if bands > 1 {
             eprintln!("rendered in {bands} bands");
         }
-        eprintln!("wrote {}", out.display());
+        summary.iter().for_each(|summary| say(summary));
+        say(&out.display().to_string());
         Ok(())
     }
 }

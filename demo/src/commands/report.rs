@@ -1,6 +1,6 @@
 //! `report`: techniques over their settings, measured against the truth.
 
-use super::args::{Opened, SceneArgs, check_m};
+use super::args::{Opened, SceneArgs, check_m, frames};
 use super::error::{CommandError, wrong};
 use super::output::say;
 use super::set;
@@ -39,7 +39,7 @@ pub struct Report {
     #[arg(long)]
     quick: bool,
     /// Measured frames of each entry, interleaved, after one that warms up; 5, or 3 with --quick, if not given.
-    #[arg(long)]
+    #[arg(long, value_parser = frames())]
     frames: Option<u32>,
     /// Takes up what an earlier run of the same report has finished in --out, and measures the rest.
     #[arg(long)]
@@ -63,7 +63,7 @@ impl Report {
             techniques: techniques(&self.techniques)?,
             stall: self.view.stall,
             quick: self.quick,
-            frames: self.frames.unwrap_or(if self.quick { 3 } else { 5 }).max(1),
+            frames: self.frames.unwrap_or(if self.quick { 3 } else { 5 }),
             textures: self.view.textures.tier(),
             rays: self.view.rays.tier(),
             gbuffer: GBufferTier::default(),

@@ -1,8 +1,8 @@
 //! `--set key=value`: any field of the settings by its path.
 
 use super::args::{parse_preset, parse_technique};
-use super::error::CommandError;
-use crate::names::nearest;
+use super::error::{CommandError, wrong};
+use crate::names::{did_you_mean, nearest};
 use crate::settings_file;
 use deferred_aa::{Preset, Settings, Technique};
 use serde_json::Value;
@@ -34,7 +34,12 @@ impl SettingsArgs {
             Some(path) => settings_file::load(path)?,
             None => self.preset.unwrap_or_default().settings(),
         };
-        apply(Settings { technique: self.technique.unwrap_or(base.technique), ..base }, &self.settings)
+        let technique = self.technique.unwrap_or(base.technique);
+        if self.preset.is_some() && !matches!(technique, Technique::Windowed | Technique::Surfaces) {
+            let problem = "the presets are settings of windowed and surfaces: leave it out, or use one of these";
+            return Err(wrong("--preset", format!("{}: {problem}", format!("{technique:?}").to_lowercase())));
+        }
+        apply(Settings { technique, ..base }, &self.settings)
     }
 }
 
@@ -59,17 +64,41 @@ pub fn apply(settings: Settings, assignments: &[String]) -> Result<Settings, Com
             return Err(wrong("names a group of settings: name one of its fields".to_owned()));
         }
         let value = value.trim();
+        let before = place.take();
         *place = match value {
-            "on" if place.is_boolean() => Value::Bool(true),
-            "off" if place.is_boolean() => Value::Bool(false),
+            "on" | "yes" if before.is_boolean() => Value::Bool(true),
+            "off" | "no" if before.is_boolean() => Value::Bool(false),
             _ => serde_json::from_str(value).unwrap_or_else(|_| number(value).unwrap_or_else(|| value.into())),
         };
         // At once, so that the message names the assignment at fault.
-        let settings: Settings = serde_json::from_value(tree.clone()).map_err(|e| wrong(e.to_string()))?;
+        let settings: Settings = serde_json::from_value(tree.clone()).map_err(|e| {
+            wrong(misfit(value, &before).unwrap_or_else(|| choices(&tree, path).unwrap_or(e.to_string())))
+        })?;
         settings.validate().map_err(|e| wrong(e.to_string()))?;
     }
     serde_json::from_value(tree)
         .map_err(|e| CommandError::Argument { argument: "--set".to_owned(), problem: e.to_string() })
+}
+
+/// What is wrong with a value in the place of a number or a switch.
+fn misfit(value: &str, before: &Value) -> Option<String> {
+    match before {
+        Value::Bool(_) => Some(format!("'{value}' is neither on nor off")),
+        Value::Number(number) if number.is_u64() => Some(format!("'{value}' is not a whole number of 0 or more")),
+        Value::Number(_) => Some(format!("'{value}' is not a number")),
+        _ => None,
+    }
+}
+
+/// What a name that no setting has is answered with: the names that this one may have.
+fn choices(tree: &Value, path: &str) -> Option<String> {
+    let mut tree = tree.clone();
+    let place = path.trim().split('.').try_fold(&mut tree, |place, key| place.get_mut(key))?;
+    let value = place.as_str().map_or_else(|| place.to_string(), str::to_owned);
+    *place = "?".into();
+    let answer = serde_json::from_value::<Settings>(tree).err()?.to_string();
+    let names: Vec<&str> = answer.strip_prefix("unknown variant `?`, ")?.split('`').skip(1).step_by(2).collect();
+    Some(format!("no choice '{value}':{} choose {}", did_you_mean(&value, &names), names.join(", ")))
 }
 
 /// As people write numbers and JSON does not: .05, 5., +5.
@@ -125,7 +154,7 @@ mod tests {
     fn mistakes_name_the_cure() {
         for (assignment, part) in [
             ("windowed.depth_scale=-1", "must lie in 0 to"),
-            ("windowed.depth_scale=NaN", "invalid type"),
+            ("windowed.depth_scale=NaN", "'NaN' is not a number"),
             ("windowed.depths=1", "did you mean windowed.depth? choose centred, depth,"),
             (
                 "depht_scale=1",
@@ -135,7 +164,7 @@ mod tests {
             ("windwed=1", "did you mean windowed? choose"),
             ("windowed.magic=1", "no setting 'magic': choose centred,"),
             ("windowed=1", "names a group"),
-            ("execution=warp", "unknown variant"),
+            ("execution=warp", "no choice 'warp': choose loop,"),
             ("execution", "key=value"),
             ("execution.x=1", "below a plain value"),
         ] {

@@ -15,9 +15,11 @@ use std::path::{Path, PathBuf};
 /// See `deferred-aa-demo view --help`.
 #[derive(Debug, clap::Args)]
 pub struct View {
-    /// A built-in scene or a .gltf or .glb file.
-    #[arg(default_value = "atrium")]
-    scene: String,
+    /// A built-in scene or a .gltf or .glb file; atrium if not given.
+    scene: Option<String>,
+    /// The same, as other commands have it.
+    #[arg(long = "scene", value_name = "SCENE", conflicts_with = "scene")]
+    named: Option<String>,
     /// Which scene of a glTF file that has several, from 0; its default scene if not given.
     #[arg(long)]
     scene_index: Option<usize>,
@@ -71,9 +73,10 @@ impl View {
         if let Some(m) = self.m {
             kept.m = check_m(m)?;
         }
+        let scene = self.scene.or(self.named).unwrap_or_else(|| "atrium".to_owned());
         // The window would open without a scene.
-        if builtin::builtin(&self.scene).is_none() && !Path::new(&self.scene).exists() {
-            open(&self.scene, self.scene_index)?;
+        if builtin::builtin(&scene).is_none() && !Path::new(&scene).is_file() {
+            open(&scene, self.scene_index)?;
         }
         // A mistake in the adapter's name is one of the command line.
         let adapter = gpu::choose(self.adapter.as_deref())?;
@@ -99,7 +102,7 @@ impl View {
             },
         };
         let start = Start {
-            source: Source { name: self.scene, index: self.scene_index },
+            source: Source { name: scene, index: self.scene_index },
             camera: self.camera.map(|c| look_at(c.eye, c.target, c.fov_y, 0.05)),
             options,
             adapter: self.adapter,

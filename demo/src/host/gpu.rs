@@ -19,10 +19,17 @@ pub struct Gpu {
 /// No device could be had.
 #[derive(Debug, Clone, thiserror::Error)]
 pub enum GpuError {
-    /// No adapter at all, or none of that name.
-    #[error("no graphics adapter{}: install a Vulkan driver (on Debian: apt-get install mesa-vulkan-drivers); `deferred-aa-demo adapters` lists what there is",
-        .0.as_ref().map(|n| format!(" has '{n}' in its name")).unwrap_or_default())]
-    NoAdapter(Option<String>),
+    /// No adapter at all.
+    #[error("no graphics adapter: install a Vulkan driver (on Debian: apt-get install mesa-vulkan-drivers)")]
+    NoAdapter,
+    /// None of that name.
+    #[error("--adapter: no adapter has '{name}' in its name; there is {}", .adapters.join(", "))]
+    NoSuchAdapter {
+        /// What was asked for.
+        name: String,
+        /// The names of those that are there.
+        adapters: Vec<String>,
+    },
     /// The adapter can't run the node.
     #[error("adapter '{adapter}' can't run the node, it lacks: {}; choose another with --adapter", .missing.join(", "))]
     Missing {
@@ -68,10 +75,9 @@ pub fn adapters() -> Vec<wgpu::Adapter> {
 /// The adapter whose name holds `name`, else the one that wgpu prefers, software at last.
 pub fn choose(name: Option<&str>) -> Result<wgpu::Adapter, GpuError> {
     let lower = name.map(str::to_lowercase);
-    let mut all: Vec<_> = adapters()
-        .into_iter()
-        .filter(|a| lower.as_ref().is_none_or(|n| a.get_info().name.to_lowercase().contains(n)))
-        .collect();
+    let mut all = adapters();
+    let adapters: Vec<_> = all.iter().map(|a| a.get_info().name).collect();
+    all.retain(|a| lower.as_ref().is_none_or(|n| a.get_info().name.to_lowercase().contains(n)));
     all.sort_by_key(|a| match a.get_info().device_type {
         wgpu::DeviceType::DiscreteGpu => 0,
         wgpu::DeviceType::IntegratedGpu => 1,
@@ -79,7 +85,10 @@ pub fn choose(name: Option<&str>) -> Result<wgpu::Adapter, GpuError> {
         wgpu::DeviceType::Other => 3,
         wgpu::DeviceType::Cpu => 4,
     });
-    all.into_iter().next().ok_or_else(|| GpuError::NoAdapter(name.map(str::to_owned)))
+    all.into_iter().next().ok_or(match name {
+        Some(name) if !adapters.is_empty() => GpuError::NoSuchAdapter { name: name.to_owned(), adapters },
+        _ => GpuError::NoAdapter,
+    })
 }
 
 impl Gpu {
@@ -105,7 +114,7 @@ impl Gpu {
         wanted.backends = wgpu::Backends::NOOP;
         wanted.backend_options.noop.enable = true;
         let adapters = pollster::block_on(wgpu::Instance::new(wanted).enumerate_adapters(wgpu::Backends::NOOP));
-        let adapter = adapters.into_iter().next().ok_or(GpuError::NoAdapter(None))?;
+        let adapter = adapters.into_iter().next().ok_or(GpuError::NoAdapter)?;
         // Whatever the host's WGSL asks for, some machine has it. The adapter says of no format that it can be stored
         // to, so what it says of formats is not asked for.
         let needed = DeferredAa::requirements(&adapter, descriptor).features;

@@ -111,7 +111,7 @@ pub enum HostError {
     #[error(transparent)]
     Build(#[from] BuildError),
     /// The size is out of bounds.
-    #[error(transparent)]
+    #[error("{}", too_large(.0))]
     Size(#[from] SizeError),
     /// The scene does not fit.
     #[error(transparent)]
@@ -288,6 +288,17 @@ impl Options {
     /// The descriptor of a node with these options.
     pub fn descriptor(&self) -> Descriptor<'static> {
         descriptor(self.m, self.textures, self.traced(), self.gbuffer)
+    }
+}
+
+/// In words of the command line.
+fn too_large(e: &SizeError) -> String {
+    match e {
+        SizeError::TooLarge { width, height, m, limit } => format!(
+            "{width}×{height} at m = {m} needs more than the {limit} samples a side that the adapter has room for; lower \
+             --m or --size, or divide it: render --memory 2GB"
+        ),
+        e => e.to_string(),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::host::gpu::Gpu;
 use crate::host::{Host, Shot};
-use crate::measure::quality::Quality;
+use crate::measure::quality::{IDENTICAL_DB, Quality};
 use deferred_aa::{Settings, Technique, TileCounts};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -136,7 +136,12 @@ impl Spread {
 impl Adapter {
     /// The adapter of a device.
     pub fn of(gpu: &Gpu) -> Self {
-        let info = gpu.adapter.get_info();
+        Self::of_adapter(&gpu.adapter)
+    }
+
+    /// An adapter that may have no device yet.
+    pub fn of_adapter(adapter: &wgpu::Adapter) -> Self {
+        let info = adapter.get_info();
         Self {
             driver: format!("{} {}", info.driver, info.driver_info).trim().to_owned(),
             backend: format!("{:?}", info.backend),
@@ -206,6 +211,24 @@ impl Stats {
         name.clone_into(&mut self.technique);
         self.passes.push(name.to_owned());
         self
+    }
+
+    /// What it came to, in a line: lit samples a pixel, how near to all of them, and the time.
+    pub fn summary(&self) -> String {
+        let mut parts = vec![
+            format!("k {:.2} of {}", self.samples.mean_k, self.m * self.m),
+            format!("{:.1} % of the samples", self.samples.ratio * 100.0),
+        ];
+        match self.quality.grid.and_then(|quality| quality.psnr_db) {
+            Some(db) if db >= IDENTICAL_DB => parts.push("the same image as Full".to_owned()),
+            Some(db) => parts.push(format!("{db:.1} dB to Full")),
+            None => {}
+        }
+        let ms = |name: &str| self.time_ms.get(name).map(|spread| spread.median);
+        if let (Some(node), Some(total)) = (ms("node"), ms("total")) {
+            parts.push(format!("node {node:.2} ms, with the G-buffer {total:.2} ms"));
+        }
+        format!("{}: {}", self.technique, parts.join(", "))
     }
 
     /// Median milliseconds of the node's passes together, G-buffer left out.

@@ -79,7 +79,7 @@ pub fn load_bytes(file: &[u8], path: &Path, scene_index: Option<usize>) -> Resul
 fn parse(file: &[u8], path: &Path, scene_index: Option<usize>) -> Result<Scene, Problem> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let (json, bin) = container::split(file)?;
-    let mut tree: serde_json::Value = serde_json::from_slice(json)?;
+    let mut tree: serde_json::Value = serde_json::from_slice(json).map_err(|e| other_kind(file).unwrap_or(e.into()))?;
     let animations = leave_out_the_unused(&mut tree);
     let root: Root = serde_json::from_value(tree)?;
     let mut notices = Vec::new();
@@ -96,6 +96,17 @@ fn parse(file: &[u8], path: &Path, scene_index: Option<usize>) -> Result<Scene, 
     }
     assembly.notices.splice(0..0, notices);
     assembly.finish(path, folder)
+}
+
+/// What a file is that people take for a scene.
+fn other_kind(file: &[u8]) -> Option<Problem> {
+    if let Ok(format) = image::guess_format(file) {
+        return Some(Problem::Kind(format!("a {} image", format.extensions_str().first()?.to_uppercase())));
+    }
+    let kinds: [(&[u8], &str); 4] =
+        [(b"PK\x03\x04", "a ZIP archive"), (b"BLENDER", "a Blender file"), (b"Kaydara FBX", "FBX"), (b"#", "text")];
+    let (_, kind) = kinds.iter().find(|(begin, _)| file.starts_with(begin))?;
+    Some(Problem::Kind((*kind).to_owned()))
 }
 
 /// Takes out of the JSON what the parser has stricter types for than glTF, and says how many animations there are.

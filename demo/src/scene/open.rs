@@ -9,13 +9,13 @@ use std::path::Path;
 #[derive(Debug, thiserror::Error)]
 pub enum OpenError {
     /// It is neither a file nor a built-in scene.
-    #[error("--scene: no built-in scene '{name}':{} choose {} or a .gltf or .glb file", did_you_mean(name, &builtin::NAMES), builtin::NAMES.join(", "))]
+    #[error("no built-in scene '{name}':{} choose {} or a .gltf or .glb file", did_you_mean(name, &builtin::NAMES), builtin::NAMES.join(", "))]
     Unknown {
         /// As it was asked for.
         name: String,
     },
     /// An index was given for a built-in scene.
-    #[error("--scene-index: {index}: the built-in scene '{name}' is a single one; leave it out")]
+    #[error("--scene-index {index}: the built-in scene '{name}' is a single one; leave it out")]
     Single {
         /// The built-in scene.
         name: String,

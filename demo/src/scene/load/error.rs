@@ -40,6 +40,9 @@ pub enum Problem {
         /// What the container breaks.
         reason: String,
     },
+    /// Another kind of file.
+    #[error("not glTF but {0}; name a .gltf or .glb file")]
+    Kind(String),
     /// JSON that is broken, or not shaped like glTF.
     #[error("not glTF: {0}; export or download it again")]
     Json(#[from] serde_json::Error),

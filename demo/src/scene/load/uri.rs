@@ -33,8 +33,11 @@ pub(super) fn read(uri: &str, folder: &Path, place: &str) -> Result<Vec<u8>, Pro
 pub(super) fn read_file(file: &Path) -> Result<Vec<u8>, Problem> {
     let check_and_read = || {
         let meta = fs::metadata(file)?;
+        if meta.is_dir() {
+            return Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder, not a file"));
+        }
         if !meta.is_file() {
-            return Err(io::Error::new(io::ErrorKind::InvalidInput, "not a file"));
+            return Err(io::Error::new(io::ErrorKind::InvalidInput, "it is not a file"));
         }
         if meta.len() > MAX_FILE {
             return Err(io::Error::new(io::ErrorKind::FileTooLarge, "longer than 4 GiB"));
