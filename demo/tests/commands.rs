@@ -251,6 +251,31 @@ fn answers() {
     }
 }
 
+/// Every technique beside the peers, against the truth.
+#[test]
+fn the_demo_compares_on_one_view() {
+    let folder = Folder::new("demo");
+    let out = folder.path("out");
+    let output =
+        demo(&["demo", "--scene", "cornell", "--size", "64x48", "--m", "3", "--frames", "1", "--out", &out]).output();
+    let output = output.unwrap();
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let of = |name: &str| -> Value {
+        serde_json::from_slice(&std::fs::read(folder.0.join(format!("out/{name}.json"))).unwrap()).unwrap()
+    };
+    let db = |name: &str| of(name)["quality"]["truth"]["psnr_db"].as_f64().unwrap();
+    assert!(db("full") > db("windowed") && db("windowed") > db("none") + 6.0, "{} {}", db("windowed"), db("none"));
+    assert!(db("surfaces") > db("smaa") && db("smaa") > db("none") && db("fxaa") > db("none"));
+    assert_eq!((&of("none")["m"], &of("smaa")["m"], &of("full")["m"]), (&1.into(), &1.into(), &3.into()));
+    let stdout = text(&output.stdout);
+    for row in ["\nNo AA ", "\nFXAA ", "\nSMAA 1x ", "\nWindowed ", "\nSurfaces ", "\nFull "] {
+        assert!(stdout.contains(row), "{row:?} is not in {stdout}");
+    }
+    for name in ["strip.png", "crops.png", "samples.png", "truth.png", "none.png", "full.exr"] {
+        assert!(folder.0.join("out").join(name).exists(), "{name}");
+    }
+}
+
 /// The standing figures of a tiny picture, which end with the time.
 #[test]
 fn a_bench_ends_in_time_and_says_what_it_left_out() {

@@ -1,21 +1,25 @@
-//! `demo`: Single, Windowed and Full side by side, with what each costs.
+//! `demo`: what each kind of anti-aliasing makes of one view, and what it costs.
 
 use super::args::{ViewArgs, frames, parse_preset};
 use super::error::CommandError;
 use super::output::{say, write_json};
 use super::set;
-use crate::host::Shot;
+use crate::host::raster::node_camera;
+use crate::host::{Host, HostError, Options, Shot};
 use crate::measure::quality::{self, Quality};
+use crate::measure::reference::{self, MovedFrames};
 use crate::measure::stats::Stats;
+use crate::peers::{Peer, Peers};
 use crate::picture::{self, Panel, Picture};
-use deferred_aa::{Execution, Preset, Settings, Technique};
+use crate::scene::Camera;
+use deferred_aa::{PassKind, PassTime, Preset, Settings, Technique};
 
 /// See `deferred-aa-demo demo --help`.
 #[derive(Debug, clap::Args)]
 pub struct Demo {
     #[command(flatten)]
     view: ViewArgs,
-    /// The settings of Windowed: fast, balanced or quality.
+    /// The settings of Windowed and Surfaces: fast, balanced or quality.
     #[arg(long, default_value = "balanced", value_parser = parse_preset)]
     preset: Preset,
     /// On top of the preset, any field of the settings by its path; may be repeated.
@@ -26,115 +30,192 @@ pub struct Demo {
     frames: u32,
 }
 
-/// What is measured. The second execution of Windowed has a row of the table, not a picture of its own.
-const ENTRIES: [(Technique, Execution, &str); 4] = [
-    (Technique::Single, Execution::Sorted, "Single"),
-    (Technique::Windowed, Execution::Sorted, "Windowed"),
-    (Technique::Windowed, Execution::Loop, "  as Loop"),
-    (Technique::Full, Execution::Sorted, "Full"),
+/// What is measured, and the name of its files.
+const ENTRIES: [(&str, &str, Technique, Option<Peer>); 6] = [
+    ("No AA", "none", Technique::Single, None),
+    ("FXAA", "fxaa", Technique::Single, Some(Peer::Fxaa)),
+    ("SMAA 1x", "smaa", Technique::Single, Some(Peer::Smaa)),
+    ("Windowed", "windowed", Technique::Windowed, None),
+    ("Surfaces", "surfaces", Technique::Surfaces, None),
+    ("Full", "full", Technique::Full, None),
 ];
-const SHOWN: [usize; 3] = [0, 1, 3];
-const WINDOWED: usize = 1;
-const FULL: usize = 3;
+/// Of [`ENTRIES`]. The first ones, which light one sample a pixel, need no more than that of the G-buffer.
+const PLAIN: usize = 3;
+const WINDOWED: usize = 3;
+const FULL: usize = 5;
+/// The columns of strip.png and those of crops.png.
+const IN_STRIP: [usize; 4] = [0, 3, 4, 5];
+const IN_CROPS: [usize; 5] = [0, 2, 3, 4, 5];
 
 /// Everything about one technique.
 struct Entry {
     title: &'static str,
+    file: &'static str,
     settings: Settings,
+    peer: Option<Peer>,
     shots: Vec<Shot>,
     picture: Picture,
     counts: Vec<u32>,
+}
+
+/// A measured one.
+struct Row<'a> {
+    entry: &'a Entry,
+    stats: Stats,
+    quality: Quality,
 }
 
 impl Demo {
     pub fn run(self) -> Result<(), CommandError> {
         let base = set::apply(self.preset.settings(), &self.settings)?;
         let (mut host, camera) = self.view.open(&base)?;
-        let out = &self.view.scene.out;
+        // One sample a pixel, as rendered by those who do not supersample.
+        let options = Options { m: 1, ..host.options };
+        let mut plain = Host::new(host.gpu.clone(), host.scene.clone(), options)?;
+        let mut peers = Peers::new(&host.gpu, options.width, options.height)?;
+        let truth = truth(&mut host, &camera, base)?;
         let mut entries = Vec::new();
-        for (technique, execution, title) in ENTRIES {
-            let settings = Settings { technique, execution, ..base };
+        for (i, (title, file, technique, peer)) in ENTRIES.into_iter().enumerate() {
+            let settings = Settings { technique, ..base };
+            let mut entry =
+                Entry { title, file, settings, peer, shots: Vec::new(), picture: truth.clone(), counts: Vec::new() };
+            let host = if i < PLAIN { &mut plain } else { &mut host };
             // The frame that warms up is the picture too: the same frame twice is the same bits.
-            host.frame(&camera, settings)?;
-            let (picture, counts) = (host.picture(), host.counts(technique));
-            entries.push(Entry { title, settings, shots: Vec::new(), picture, counts });
+            entry.shoot(host, &mut peers, &camera)?;
+            entry.picture = if peer.is_some() { peers.picture() } else { host.picture() };
+            entry.counts = host.counts(technique);
+            entries.push(entry);
         }
+        let mask = host.edge_mask();
         for _ in 0..self.frames {
-            for entry in &mut entries {
-                let shot = host.frame(&camera, entry.settings)?;
+            for (i, entry) in entries.iter_mut().enumerate() {
+                let host = if i < PLAIN { &mut plain } else { &mut host };
+                let shot = entry.shoot(host, &mut peers, &camera)?;
                 entry.shots.push(shot);
             }
         }
-        let mask = host.edge_mask();
-        let reference = &entries[FULL].picture;
         let mut rows = Vec::new();
-        for entry in &entries {
-            let quality = quality::compare(&entry.picture, reference, Some(&mask))?;
-            rows.extend(Stats::new(&host, entry.settings, &entry.shots, Some(quality)).map(|s| (entry, s, quality)));
+        for (i, entry) in entries.iter().enumerate() {
+            let host = if i < PLAIN { &plain } else { &host };
+            let quality = quality::compare(&entry.picture, &truth, Some(&mask))?;
+            rows.extend(Stats::new(host, entry.settings, &entry.shots, None).map(|stats| {
+                let mut stats = entry.peer.map_or(stats.clone(), |peer| stats.of_peer(peer.name()));
+                stats.quality.truth = Some(quality);
+                Row { entry, stats, quality }
+            }));
         }
+        let heading = format!(
+            "{}  {}×{}, m = {}, {}",
+            host.scene.name,
+            options.width,
+            options.height,
+            host.options.m,
+            host.gpu.adapter.get_info().name
+        );
+        self.write(&heading, &host, &rows, &truth)?;
+        let strip = self.view.scene.out.join("strip.png");
+        say(&format!("{heading}\n{}{}", table(&rows), strip.display()));
+        Ok(())
+    }
+
+    /// Writes the pictures.
+    fn write(&self, heading: &str, host: &Host, rows: &[Row<'_>], truth: &Picture) -> Result<(), CommandError> {
+        let out = &self.view.scene.out;
         let (width, height, n) = (host.options.width, host.options.height, host.options.m * host.options.m);
-        let map = picture::heat_map(&entries[WINDOWED].counts, width, height, n)?;
+        for Row { entry, stats, .. } in rows {
+            entry.picture.write_png(&out.join(format!("{}.png", entry.file)))?;
+            entry.picture.write_exr(&out.join(format!("{}.exr", entry.file)))?;
+            write_json(&out.join(format!("{}.json", entry.file)), stats)?;
+        }
+        truth.write_png(&out.join("truth.png"))?;
+        let Some(windowed) = rows.get(WINDOWED) else { return Ok(()) };
+        let map = picture::heat_map(&windowed.entry.counts, width, height, n)?;
         picture::write_png(&map, &out.join("samples.png"))?;
 
-        let mut columns = Vec::new();
-        for (entry, stats, quality) in SHOWN.into_iter().filter_map(|i| rows.get(i)) {
-            let name = entry.title.to_lowercase();
-            entry.picture.write_png(&out.join(format!("{name}.png")))?;
-            entry.picture.write_exr(&out.join(format!("{name}.exr")))?;
-            write_json(&out.join(format!("{name}.json")), stats)?;
-            columns.push((entry.title, caption(stats, quality), entry.picture.to_image()?));
-        }
-        let mut panels: Vec<_> =
-            columns.iter().map(|(title, caption, image)| Panel { title, caption, image, legend: None }).collect();
+        let images: Vec<_> = rows.iter().map(|row| row.entry.picture.to_image()).collect::<Result<_, _>>()?;
+        let captions: Vec<_> = rows.iter().map(|row| caption(row, &rows[0])).collect();
+        let panel =
+            |&i: &usize| Panel { title: rows[i].entry.title, caption: &captions[i], image: &images[i], legend: None };
+        let mut panels: Vec<_> = IN_STRIP.iter().map(panel).collect();
         let map_caption = format!("samples a pixel, 1 to {n}");
         panels.push(Panel { title: "k of Windowed", caption: &map_caption, image: &map, legend: Some(n) });
-        let crops = picture::pick_crops(&entries[0].picture, reference, 4, 48)?;
-        let adapter = host.gpu.adapter.get_info().name;
-        let heading = format!("{}  {width}×{height}, m = {}, {adapter}", host.scene.name, host.options.m);
-        let strip = out.join("strip.png");
-        picture::write_png(&picture::strip(&heading, &panels, &crops)?, &strip)?;
+        let crops = picture::pick_crops(&rows[0].entry.picture, truth, 4, 48)?;
+        picture::write_png(&picture::strip(heading, &panels, &crops)?, &out.join("strip.png"))?;
 
-        let rows: Vec<_> = rows.iter().map(|(e, s, q)| (e.title, s, q)).collect();
-        let table = table(&rows, u64::from(width) * u64::from(height));
-        say(&format!("{heading}\n{table}{}", strip.display()));
+        let panels: Vec<_> = IN_CROPS.iter().map(panel).collect();
+        let crops = &crops[..crops.len().min(3)];
+        picture::write_png(&picture::sheet(heading, &panels, crops, 4)?, &out.join("crops.png"))?;
         Ok(())
     }
 }
 
-fn caption(stats: &Stats, quality: &Quality) -> String {
-    let mut figures = vec![format!("k {:.2}", stats.samples.mean_k), format!("{:.1} %", stats.samples.ratio * 100.0)];
-    figures.push(decibels(quality));
-    if let Some(ms) = stats.node_ms() {
-        figures.push(format!("{ms:.0} ms"));
+impl Entry {
+    /// A frame of it; a peer's pass comes last.
+    fn shoot(&self, host: &mut Host, peers: &mut Peers, camera: &Camera) -> Result<Shot, HostError> {
+        let mut shot = host.frame(camera, self.settings)?;
+        if let Some(peer) = self.peer {
+            let milliseconds = peers.run(peer, host.target())?.milliseconds;
+            shot.statistics.passes.push(PassTime { name: peer.name(), kind: PassKind::Host, milliseconds });
+        }
+        Ok(shot)
     }
+}
+
+/// The mean of 16 times as many samples as `Full` has.
+fn truth(host: &mut Host, camera: &Camera, base: Settings) -> Result<Picture, HostError> {
+    let (width, height, m) = (host.options.width, host.options.height, host.options.m);
+    let camera = node_camera(camera, width, height);
+    let mut frames = MovedFrames::new((width, height), 4 * m, m);
+    let (_, all) = frames.progress();
+    for i in 0..all {
+        eprint!("\rtruth of {} samples a pixel: {} of {all} frames", 16 * m * m, i + 1);
+        host.frame_with(frames.moved(camera), reference::truth(base))?;
+        frames.add(&host.picture());
+    }
+    eprintln!();
+    Ok(frames.mean())
+}
+
+/// Of a row beside the first one, which is not anti-aliased.
+fn caption(row: &Row<'_>, first: &Row<'_>) -> String {
+    let lit = row.stats.samples.mean_k;
+    let mut figures = vec![format!("{lit:.1} lit a pixel"), format!("{} dB", decibels(row.quality.psnr_db))];
+    let times = first.stats.node_ms().zip(row.stats.node_ms());
+    figures.extend(times.map(|(first, own)| format!("shading ×{:.1}", own / first)));
     figures.join("  ")
 }
 
-fn decibels(quality: &Quality) -> String {
-    match quality.psnr_db {
-        Some(db) if db >= quality::IDENTICAL_DB => "reference".to_owned(),
-        Some(db) => format!("{db:.1} dB"),
-        None => "-".to_owned(),
-    }
+fn decibels(psnr_db: Option<f64>) -> String {
+    psnr_db.filter(|&db| db < quality::IDENTICAL_DB).map_or("-".to_owned(), |db| format!("{db:.1}"))
 }
 
-/// Median milliseconds by pass; on a software driver only their ratios count.
-fn table(rows: &[(&str, &Stats, &Quality)], pixels: u64) -> String {
-    const PASSES: [&str; 8] = ["gbuffer", "first", "metrics", "plan", "shade", "resolve", "node", "total"];
-    let mut text = format!("{:<10}{:>12}{:>8}{:>8}{:>11}", "", "samples", "k", "ratio", "PSNR");
-    PASSES.iter().for_each(|p| text += &format!("{p:>9}"));
-    text += &format!("{:>7}\n", "β");
-    for (title, stats, quality) in rows {
-        let s = &stats.samples;
-        text +=
-            &format!("{title:<10}{:>12}{:>8.2}{:>7.1}%{:>11}", s.shaded, s.mean_k, s.ratio * 100.0, decibels(quality));
-        for pass in PASSES {
-            let ms = stats.time_ms.get(pass).map_or("-".to_owned(), |spread| format!("{:.1}", spread.median));
-            text += &format!("{ms:>9}");
-        }
-        let beta = rows.last().and_then(|(_, full, _)| stats.beta(full, pixels));
-        text += &format!("{:>7}\n", beta.map_or("-".to_owned(), |b| format!("{b:.2}")));
+/// Median milliseconds; on a software driver only their ratios count.
+fn table(rows: &[Row<'_>]) -> String {
+    let mut text = format!(
+        "{:<10}{:>7}{:>7}{:>8}{:>8}{:>9}{:>11}{:>10}{:>10}{:>9}{:>8}\n",
+        "", "lit", "taps", "PSNR", "edges", "FLIP", "G-buffer", "shading", "frame", "of Full", "MB"
+    );
+    let full = rows.get(FULL).and_then(|row| row.stats.time_ms.get("total")).map(|spread| spread.median);
+    for Row { entry, stats, quality } in rows {
+        let samples = &stats.samples;
+        let ms = |name: &str| stats.time_ms.get(name).map(|spread| spread.median);
+        let number = |ms: Option<f64>| ms.map_or("-".to_owned(), |ms| format!("{ms:.1}"));
+        let of_full = ms("total").zip(full).map_or("-".to_owned(), |(ms, full)| format!("{:.0} %", ms / full * 100.0));
+        let taps = samples.taps as f64 / samples.shaded.max(1) as f64 * samples.mean_k;
+        text += &format!(
+            "{:<10}{:>7.2}{taps:>7.1}{:>8}{:>8}{:>9}{:>11}{:>10}{:>10}{of_full:>9}{:>8.0}\n",
+            entry.title,
+            samples.mean_k,
+            decibels(quality.psnr_db),
+            decibels(quality.edge_psnr_db),
+            quality.flip_mean.map_or("-".to_owned(), |flip| format!("{flip:.4}")),
+            number(ms("gbuffer")),
+            number(ms("node")),
+            number(ms("total")),
+            (stats.memory_bytes.gbuffer() + stats.memory_bytes.others()) as f64 * 1e-6,
+        );
     }
-    text + "times: median milliseconds; node: the passes first to resolve; total: with the G-buffer\n\
-            β: time of a sample beyond the first over that of a sample of Full\n"
+    text + "lit: lit samples a pixel; taps: material evaluations a pixel; PSNR, edges, FLIP: against the truth, edges \
+            where a window holds one;\ntimes: median milliseconds; shading: all passes after the G-buffer, rays and \
+            peers' among them; MB: what the node holds\n"
 }

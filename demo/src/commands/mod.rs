@@ -27,7 +27,8 @@ pub struct Cli {
 enum Command {
     /// Renders a scene by one technique: image.png, image.exr, samples.png and stats.json.
     Render(render::Render),
-    /// Renders a scene by Single, Windowed and Full, draws a comparison strip and prints a table.
+    /// Renders a scene without anti-aliasing, by FXAA, SMAA, Windowed, Surfaces and Full, draws comparison strips and
+    /// prints a table.
     Demo(demo::Demo),
     /// Measures techniques over their settings against the truth: report.html, report.json, and pictures of every
     /// entry.

@@ -9,6 +9,7 @@ mod error;
 mod files;
 mod heat;
 mod linear;
+mod sheet;
 mod size;
 mod strip;
 mod text;
@@ -21,6 +22,7 @@ pub use files::write_png;
 pub(crate) use heat::inferno;
 pub use heat::{NOT_SHADED, OVER_MAX, heat, heat_map};
 pub use linear::Picture;
+pub use sheet::sheet;
 pub use strip::{Panel, strip};
 
 /// Pictures made for tests.

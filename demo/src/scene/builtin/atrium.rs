@@ -49,9 +49,9 @@ pub(super) fn build() -> Stage {
         ground: Vec3::new(0.2, 0.17, 0.14),
     });
     stage.sun(Sun {
-        to_sun: Vec3::new(-0.45, 0.75, 0.3).normalize(),
-        irradiance: Vec3::new(1.0, 0.93, 0.8) * PI * 1.1,
-        casts: false,
+        to_sun: Vec3::new(-0.25, 0.85, 0.5).normalize(),
+        irradiance: Vec3::new(1.0, 0.93, 0.8) * PI * 1.4,
+        casts: true,
     });
     let palette = palette(&mut stage);
 
