@@ -284,6 +284,60 @@ fn the_page_says_plainly_where_a_peer_is_better() {
     }
 }
 
+/// Advice that rests on times which waver is none, and the page says what to do.
+#[test]
+fn unsteady_times_bear_no_verdict() {
+    let mut report = small_report(20.0);
+    report["entries"][1]["time_ms"]["total"] = json!({"min": 4.0, "median": 6.0, "p95": 12.4});
+    let Some(dom) = drawn("unsteady", &with_report(&report), "1280,900") else { return };
+    assert_sound(&dom, &report);
+    let list = dom.split("id=\"sentences\"").nth(1).unwrap().split("</ol>").next().unwrap();
+    assert!(!list.contains("<strong>"), "{list}");
+    let words = "The slowest frames of Windowed (m = 4) took 3.1× as long as its fastest. What follows is no advice";
+    assert!(sentences(&dom).contains(words), "{words:?} is not in {:?}", sentences(&dom));
+    assert_eq!(tags(&dom, &["line ", "spread loose"]).len(), 2, "one in the plot and one in its legend");
+
+    // A fit that explains little says nothing of where a curve crosses.
+    let mut report = small_report(20.0);
+    let row = |x: f64, windowed: f64| {
+        json!({"x": x, "full_ms": 10.0, "single_ms": 1.0, "windowed_ms": windowed, "full_total_ms": 10.0 * x,
+            "single_total_ms": 2.0, "windowed_total_ms": windowed})
+    };
+    let fit = |r2: f64| json!({"stall": {"windowed_total_ms": {"exponent": 0.5, "r2": r2}, "full_total_ms": {"exponent": 1.0, "r2": 1.0}}});
+    for (r2, words) in [(0.3, "scatter too much to say"), (0.95, "From 2 light loops a sample on")] {
+        let mut cost = report["cost"].clone();
+        cost["stall"] = json!([row(1.0, 12.0), row(4.0, 14.0), row(8.0, 11.0)]);
+        cost["crossover_stall"] = json!(2.0);
+        cost["fits"] = fit(r2);
+        report["cost"] = cost;
+        let Some(dom) = drawn("scatter", &with_report(&report), "1280,900") else { return };
+        assert_sound(&dom, &report);
+        assert!(sentences(&dom).contains(words), "{words:?} is not in {:?}", sentences(&dom));
+    }
+}
+
+/// What is to be had in the time of supersampling with fewer samples.
+#[test]
+fn the_page_compares_at_equal_time_too() {
+    for (fast_db, words) in [
+        (38.0, "In the time of Full 2 (m = 2) Fast (m = 4) has the lower error: 0.0126 against 0.0200"),
+        (
+            30.0,
+            "In the time of Full 2 (m = 2) it is the best: the nearest adaptive entry, Fast (m = 4), has an error of 0.0316 against 0.0200",
+        ),
+    ] {
+        let mut report = small_report(30.0);
+        report["adapter"]["software"] = json!(true);
+        let mut full = entry("Full 2", "full", "technique", 33.98, 4.0);
+        full["m"] = json!(2);
+        let entries = report["entries"].as_array_mut().unwrap();
+        entries.extend([full, entry("Fast", "windowed", "technique", fast_db, 3.9)]);
+        let Some(dom) = drawn("equal-time", &with_report(&report), "1280,900") else { return };
+        assert_sound(&dom, &report);
+        assert!(sentences(&dom).contains(words), "{words:?} is not in {:?}", sentences(&dom));
+    }
+}
+
 #[test]
 fn names_never_become_markup() {
     let mut report = small_report(30.0);

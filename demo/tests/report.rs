@@ -471,7 +471,7 @@ fn resuming_measures_what_is_missing_and_nothing_else() {
     assert_eq!(find(&third, "windowed-m2")["quality"], find(&first, "windowed-m2")["quality"]);
 
     // Other options: other results, but the same truth.
-    let other = with(&["--resume", "--stall", "2"]);
+    let other = with(&["--resume", "--force", "--stall", "2"]);
     assert_eq!(other["truth"]["cached"], true);
     assert!(
         finished(&folder)
@@ -479,7 +479,7 @@ fn resuming_measures_what_is_missing_and_nothing_else() {
             .filter(|(path, _)| path.starts_with(out.join("entries")))
             .all(|(path, time)| again[path] != *time)
     );
-    let unlike = with(&["--resume", "--stall", "2", "--camera", "0,0,3,0.1,0,-1"]);
+    let unlike = with(&["--resume", "--force", "--stall", "2", "--camera", "0,0,3,0.1,0,-1"]);
     assert_eq!(unlike["truth"]["cached"], false);
 }
 
@@ -491,6 +491,39 @@ fn without_resume_everything_is_measured_again() {
     let first = finished(&folder);
     succeed(&folder, &few);
     assert!(finished(&folder).iter().all(|(path, time)| first[path] != *time));
+}
+
+/// What took hours is not lost to a slip in --out.
+#[test]
+fn a_finished_report_of_something_else_stays() {
+    let folder = Folder::new("taken");
+    let few = ["--scene", "cornell", "--techniques", "single", "--m", "1"];
+    succeed(&folder, &few);
+    let before = finished(&folder);
+    let other_size = ["--scene", "cornell", "--techniques", "single", "--m", "1", "--size", "32x18"];
+    let other_scene = ["--scene", "spheres", "--techniques", "single", "--m", "1"];
+    let more = ["--scene", "cornell", "--techniques", "single,full", "--m", "1"];
+    for arguments in [&other_size[..], &other_scene, &[&other_size[..], &["--resume"]].concat(), &more] {
+        let output = report(&folder, arguments);
+        let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{stderr}");
+        assert!(stderr.contains("holds a finished report of `deferred-aa-demo report "), "{stderr}");
+        assert!(stderr.contains("name another folder, or replace it with --force"), "{stderr}");
+        assert!(finished(&folder) == before, "{arguments:?} has touched it");
+    }
+    succeed(&folder, &[&other_size[..], &["--force"]].concat());
+}
+
+/// Where no bar can be drawn, a line a part says how far it has come.
+#[test]
+fn progress_is_told_where_there_is_no_terminal() {
+    let folder = Folder::new("progress");
+    let output = report(&folder, &["--scene", "cornell", "--techniques", "single", "--m", "1"]);
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    let parts: Vec<_> = stderr.lines().collect();
+    assert_eq!((parts.first(), parts.len()), (Some(&"1/5 truth"), 5), "{stderr}");
+    assert!(parts[1].starts_with("2/5 m = 1, about ") && parts[1].ends_with(" s to go"), "{stderr}");
+    assert!(parts[4].starts_with("5/5 page, about "), "{stderr}");
 }
 
 #[test]

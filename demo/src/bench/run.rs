@@ -1,7 +1,7 @@
 //! The plan, measured.
 
 use super::plan::{Cell, Plan};
-use super::schema::{Bench, LeftOut, Measured, Row};
+use super::schema::{Bench, LeftOut, Measured, OVER, Row};
 use crate::host::gpu::{Gpu, GpuError};
 use crate::host::{self, Host, HostError, Options, Shot};
 use crate::measure::quality::{self, QualityError};
@@ -24,9 +24,6 @@ enum CellError {
     #[error("no built-in scene of this name")]
     Scene,
 }
-
-/// Fewer measured frames have no median.
-const FEWEST_FRAMES: u32 = 3;
 
 /// Measures cell after cell until the plan or the time ends. `begin` is told of each with its number, `done` of what
 /// there is after each that could be measured.
@@ -53,7 +50,7 @@ pub fn run(
         let left_out = |why: String| LeftOut { cell: cell.clone(), why };
         let left = end.saturating_duration_since(Instant::now());
         if left.is_zero() {
-            bench.left_out.push(left_out("the time was over: allow more --minutes".to_owned()));
+            bench.left_out.push(left_out(OVER.to_owned()));
             continue;
         }
         begin(i, cell);
@@ -81,7 +78,7 @@ struct Entry {
     wall_ms: Vec<f64>,
 }
 
-/// Measures the entries of a cell in turn, for as long as it may take but [`FEWEST_FRAMES`] in any case.
+/// Measures the entries of a cell in turn, for as long as it may take, but once in any case.
 fn measure(adapter: &wgpu::Adapter, plan: &Plan, cell: &Cell, time: Duration) -> Result<Measured, CellError> {
     let start = Instant::now();
     let scene = builtin(&cell.scene).ok_or(CellError::Scene)?;
@@ -94,8 +91,10 @@ fn measure(adapter: &wgpu::Adapter, plan: &Plan, cell: &Cell, time: Duration) ->
         let picture = host.picture();
         entries.push(Entry { label, settings, picture, shots: Vec::new(), wall_ms: Vec::new() });
     }
-    for round in 0..plan.frames.max(FEWEST_FRAMES) {
-        if round >= FEWEST_FRAMES && start.elapsed() > time {
+    for round in 0..plan.frames {
+        // No round begins that would not end in time.
+        let rounds = round + 1;
+        if round > 0 && start.elapsed() * (rounds + 1) / rounds > time {
             break;
         }
         entries.iter_mut().try_for_each(|entry| entry.shoot(&mut host, &camera))?;

@@ -68,6 +68,9 @@ pub struct Row {
     pub not_finite: u64,
 }
 
+/// Why a cell was left out for which there was no time.
+pub const OVER: &str = "the time was over";
+
 /// A cell that was not measured.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LeftOut {
@@ -90,8 +93,9 @@ impl Row {
         self.time_ms.get(name).map(|spread| spread.median)
     }
 
-    /// Whether the times of the whole frame are within three tenths of each other: others tell little.
-    pub fn is_steady(&self) -> bool {
-        self.time_ms.get("total").is_none_or(|t| t.p95 <= 1.3 * t.min)
+    /// Why its times tell little: few frames, or times of the whole frame that differ by more than three tenths.
+    pub fn doubt(&self) -> Option<&'static str> {
+        let unsteady = self.time_ms.get("total").is_some_and(|t| t.p95 > 1.3 * t.min);
+        if unsteady { Some("UNSTEADY") } else { (self.frames < 3).then_some("FEW FRAMES") }
     }
 }

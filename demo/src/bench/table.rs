@@ -1,6 +1,6 @@
 //! The figures on a terminal.
 
-use super::schema::{Bench, Measured, Row};
+use super::schema::{Bench, Measured, OVER, Row};
 use crate::measure::quality::IDENTICAL_DB;
 use std::fmt::Write as _;
 
@@ -42,7 +42,7 @@ pub fn table(bench: &Bench) -> String {
             (row.gbuffer_bytes + row.other_bytes) as f64 * 1e-6,
             number(row.rays_per_second.map(|s| s * 1e-6), 1),
             passes(row),
-            if row.is_steady() { "" } else { "  UNSTEADY" },
+            row.doubt().map_or(String::new(), |doubt| format!("  {doubt}")),
         );
     }
     text
@@ -53,7 +53,8 @@ pub fn ratios(bench: &Bench) -> String {
     let mut text =
         "\nk: lit samples a pixel; lit: of all m²; taps: material evaluations a pixel; PSNR: to Full of the \
                     same m; times: medians of GPU milliseconds;\nframe: G-buffer and node; plain: frame over that of \
-                    m = 1; UNSTEADY: the slowest frames take over 1.3 times the fastest; run it again, alone\n\n"
+                    m = 1; passes under 2 % are in the file alone;\nUNSTEADY: the slowest frames take over 1.3 times the \
+                    fastest; FEW FRAMES: less than three; run it again with nothing beside it, or with more --minutes\n\n"
             .to_owned();
     let _ = writeln!(
         text,
@@ -81,8 +82,18 @@ pub fn ratios(bench: &Bench) -> String {
             percent(share),
         );
     }
-    for left in &bench.left_out {
+    let (late, others): (Vec<_>, Vec<_>) = bench.left_out.iter().partition(|left| left.why == OVER);
+    for left in others {
         let _ = writeln!(text, "not measured: {} ({})", left.cell.name(), left.why);
+    }
+    if let Some(first) = late.first() {
+        let of = bench.measured.len() + bench.left_out.len();
+        let _ = writeln!(
+            text,
+            "not measured for lack of time: {} of {of}, from '{}' on; allow more --minutes",
+            late.len(),
+            first.cell.name()
+        );
     }
     text
 }
@@ -108,6 +119,8 @@ fn number(value: Option<f64>, digits: usize) -> String {
 fn passes(row: &Row) -> String {
     let is_sum = |name: &str| ["gbuffer", "node", "total"].contains(&name);
     let mut all: Vec<_> = row.time_ms.iter().filter(|(name, _)| !is_sum(name)).collect();
+    let least = row.ms("node").unwrap_or(0.0) * 0.02;
+    all.retain(|(_, spread)| spread.median >= least);
     all.sort_by(|a, b| b.1.median.total_cmp(&a.1.median));
     let texts: Vec<_> = all.iter().map(|(name, spread)| format!("{name} {:.2}", spread.median)).collect();
     texts.join(", ")

@@ -44,6 +44,9 @@ pub struct Report {
     /// Takes up what an earlier run of the same report has finished in --out, and measures the rest.
     #[arg(long)]
     resume: bool,
+    /// Replaces the finished report of another command in --out.
+    #[arg(long)]
+    force: bool,
     /// Where truths are kept from one report to the next: $XDG_CACHE_HOME/deferred-aa or ~/.cache/deferred-aa if not
     /// given.
     #[arg(long, value_name = "DIR")]
@@ -81,7 +84,13 @@ impl Report {
         let Opened { scene, gpu, camera, gbuffer, .. } = self.view.open(largest, None)?;
         request.gbuffer = gbuffer;
         request.focus = focus(&self.focus, &scene)?;
-        let folder = Folder::open(&self.view.out, run::bytes(&request, &plan), request.resume)?;
+        let folder = Folder::open(
+            &self.view.out,
+            run::bytes(&request, &plan),
+            request.resume,
+            &request.subject(&scene),
+            self.force,
+        )?;
         stop_on_interrupt();
         let parts = run::parts(&request, &plan);
         let mut session = Session::new(request, gpu, scene, camera, folder, parts);

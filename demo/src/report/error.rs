@@ -27,6 +27,14 @@ pub enum ReportError {
         /// What the user can do.
         cure: &'static str,
     },
+    /// The folder has the report of another command.
+    #[error("--out: {path} holds a finished report of `{command}`; name another folder, or replace it with --force", path = .path.display())]
+    Taken {
+        /// The folder.
+        path: PathBuf,
+        /// What made its report.
+        command: String,
+    },
     /// The disk is too small.
     #[error("{path}: {free} MB are free and about {needed} MB are needed; free some or name another folder with --out", path = .path.display())]
     Space {

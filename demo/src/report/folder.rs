@@ -38,7 +38,12 @@ pub enum Kind {
 impl Folder {
     /// Makes the folder, and shows that about `bytes` can be written before any work is done. With `resume`, what is
     /// finished in it is taken up.
-    pub fn open(path: &Path, bytes: u64, resume: bool) -> Result<Self, ReportError> {
+    ///
+    /// A finished report of something else is not touched, unless `force` says so.
+    pub fn open(path: &Path, bytes: u64, resume: bool, subject: &Subject, force: bool) -> Result<Self, ReportError> {
+        if let Some(other) = finished(path).filter(|other| !force && other.is_replaced_by(subject, resume)) {
+            return Err(ReportError::Taken { path: path.to_owned(), command: other.subject.command });
+        }
         let folder = Self { path: path.to_owned(), resume };
         for kind in [Kind::Entry, Kind::Part] {
             let at = folder.path.join(kind.name());
@@ -86,6 +91,49 @@ impl Folder {
     fn kept(&self, kind: Kind, name: &str) -> PathBuf {
         self.path.join(kind.name()).join(format!("{name}.json"))
     }
+}
+
+/// What a report is of.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct Subject {
+    /// The command line.
+    pub command: String,
+    /// The name of the scene.
+    pub scene: String,
+    /// Width of the picture in pixels.
+    pub width: u32,
+    /// Height of the picture in pixels.
+    pub height: u32,
+    /// How often the light loop runs.
+    pub stall: u32,
+}
+
+/// The begin of a report.json.
+#[derive(Deserialize)]
+struct Head {
+    #[serde(flatten)]
+    subject: Subject,
+    unfinished: Vec<String>,
+}
+
+/// The finished report in a folder.
+fn finished(folder: &Path) -> Option<Head> {
+    let head: Head = serde_json::from_slice(&std::fs::read(folder.join("report.json")).ok()?).ok()?;
+    Some(head).filter(|head| head.unfinished.is_empty())
+}
+
+impl Head {
+    /// Whether nothing would be left of it. A report that takes it up may have other entries of the same picture.
+    fn is_replaced_by(&self, new: &Subject, resumed: bool) -> bool {
+        let picture = |s: &Subject| (s.scene.clone(), s.width, s.height, s.stall);
+        picture(&self.subject) != picture(new)
+            || (!resumed && without_modes(&self.subject.command) != without_modes(&new.command))
+    }
+}
+
+/// A command without its program and what does not change the report.
+fn without_modes(command: &str) -> Vec<&str> {
+    command.split(' ').skip(1).filter(|word| !["--resume", "--force"].contains(word)).collect()
 }
 
 impl Kind {

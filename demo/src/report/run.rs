@@ -237,8 +237,8 @@ mod tests {
             &host::descriptor(2, request.textures, RayTier::Software, GBufferTier::default()),
         )
         .unwrap();
-        let folder = Folder::open(&path.join("out"), 0, true).unwrap();
         let scene = builtin("cornell").unwrap();
+        let folder = Folder::open(&path.join("out"), 0, true, &request.subject(&scene), false).unwrap();
         let view = scene.default_camera();
         let parts = parts(&request, &plan_of(&request));
         Session::new(request, gpu, scene, view, folder, parts)

@@ -2,7 +2,7 @@
 
 use super::ReportError;
 use super::fingerprint::Fingerprint;
-use super::folder::Folder;
+use super::folder::{Folder, Subject};
 use crate::host::gpu::Gpu;
 use crate::host::raster::node_camera;
 use crate::host::{self, Host, Options, Shot};
@@ -53,6 +53,33 @@ pub struct Request {
     pub cache: Option<PathBuf>,
 }
 
+impl Request {
+    /// What its report is of.
+    pub fn subject(&self, scene: &Scene) -> Subject {
+        let Self { command, width, height, stall, .. } = self;
+        Subject { command: command.clone(), scene: scene.name.clone(), width: *width, height: *height, stall: *stall }
+    }
+}
+
+/// The share of a part in the seconds of a whole report, about: as measured on Sponza and atrium.
+fn part_weight(part: &str) -> f64 {
+    match part {
+        "m = 1" => 1.0,
+        "m = 2" => 6.0,
+        "m = 3" => 10.0,
+        part if part.starts_with("m = ") => 20.0,
+        "truth" | "papers" => 15.0,
+        "bounds" => 2.0,
+        "flicker" => 25.0,
+        "executions" => 12.0,
+        "goals" => 8.0,
+        "cost: stall" => 9.0,
+        part if part.starts_with("cost") => 3.0,
+        "page" => 0.5,
+        _ => 4.0,
+    }
+}
+
 /// A report under way.
 #[derive(Debug)]
 pub struct Session {
@@ -100,7 +127,7 @@ impl Session {
         fingerprint.text(&(view, request.width, request.height, request.anisotropy, request.textures, adapter));
         // Hidden where stderr is no terminal.
         let bar = ProgressBar::new_spinner();
-        if let Ok(style) = ProgressStyle::with_template("{spinner} [{elapsed_precise}] {prefix}{msg}, frame {pos}") {
+        if let Ok(style) = ProgressStyle::with_template("{spinner} [{elapsed}] {prefix}{msg}, frame {pos}") {
             bar.set_style(style);
         }
         bar.enable_steady_tick(Duration::from_millis(200));
@@ -127,8 +154,12 @@ impl Session {
     ) -> Result<T, ReportError> {
         let start = Instant::now();
         let place = self.parts.iter().position(|part| part == name).map_or(0, |i| i + 1);
-        self.bar.set_prefix(format!("{place}/{} ", self.parts.len()));
-        self.bar.set_message(name.to_owned());
+        let to_go = self.to_go(place).map_or(String::new(), |left| format!(", {left}"));
+        let line = format!("{place}/{} {name}{to_go}", self.parts.len());
+        if self.bar.is_hidden() {
+            eprintln!("{line}");
+        }
+        self.bar.set_message(line);
         self.bar.set_position(0);
         let result = run(self);
         *self.seconds.entry(name.to_owned()).or_default() += start.elapsed().as_secs_f64();
@@ -136,6 +167,19 @@ impl Session {
             self.done.insert(name.to_owned());
         }
         result
+    }
+
+    /// About how long the parts from `place` on will take, by what those before took. `None` before any is done.
+    fn to_go(&self, place: usize) -> Option<String> {
+        let done = self.parts.iter().take(place.saturating_sub(1));
+        let (weight, seconds) = done.fold((0.0, 0.0), |(weight, seconds), part| {
+            (weight + part_weight(part), seconds + self.seconds.get(part).copied().unwrap_or(0.0))
+        });
+        let left: f64 = self.parts.iter().skip(place.saturating_sub(1)).map(|part| part_weight(part)).sum();
+        (weight > 0.0).then(|| match left * seconds / weight {
+            seconds if seconds < 90.0 => format!("about {:.0} s to go", seconds.max(1.0)),
+            seconds => format!("about {:.0} min to go", seconds / 60.0),
+        })
     }
 
     /// Whether this part of work is to be done.

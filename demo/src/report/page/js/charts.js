@@ -7,12 +7,15 @@ const PASS_COLOURS = ["#b8bec6", "#77aadd", "#eedd88", "#ffaabb", "#99ddff", "#e
   "#d6b3e6", "#c9ad93", "#9fb0a0", "#e6c9a8"];
 const MANY_ENTRIES = 14;
 
+/** Hues by the golden angle, so that no two passes share one. */
+const further = (i) => `hsl(${Math.round((i * 137.5) % 360)}deg 42% ${i % 2 ? 68 : 80}%)`;
+
 function drawPasses(host, model) {
   const timed = sorted(model.entries.filter((e) => finite(e.total)), (e) => e.total), passes = passesOf(timed);
   if (!timed.length) return host.append(none("No times: the adapter gives no timestamps, or no entry was finished."));
   const notable = (e) => e.kind === "single" || e.kind === "full" || e.role === "peer" || e.preset || e === model.pick;
   const many = timed.length > MANY_ENTRIES, few = many ? timed.filter(notable) : timed;
-  const colour = new Map(passes.map((p, i) => [p, PASS_COLOURS[i % PASS_COLOURS.length]]));
+  const colour = new Map(passes.map((p, i) => [p, PASS_COLOURS[i] ?? further(i)]));
   const plot = el("div", { class: "plot" });
   let shown = few, width = 0;
   const draw = () => plot.replaceChildren(passBars(shown, passes, colour, width));

@@ -7,6 +7,8 @@ const IDENTICAL_DB = 199.99;
 const CLOSE = 1.1; // as accurate as Full: an error at most this much greater
 const GRID_GOOD = 0.01; // 40 dB: good enough where there is no truth
 const EQUAL_TIME = 1.05;
+const STEADY = 1.3; // a time whose slowest frames take more than this over its fastest bears no advice
+const EXPLAINED = 0.9; // a fit of a lower r² bears none either
 const PASS_ORDER = ["gbuffer", "classify", "trace first", "reflect first", "refine rays", "refine", "points", "lattice_to_pixels", "first",
   "metrics", "plan", "select", "cover", "list", "trace", "reflect", "shade", "quadrants", "reconstruct", "light", "resolve", "fxaa", "smaa"];
 const KINDS = { windowed: "Windowed", selective: "Selective", multiresolution: "MultiResolution", surfaces: "Surfaces",
@@ -77,6 +79,8 @@ function readEntry(raw, index) {
     kind: raw.role === "goal" ? "goal" : raw.technique in KINDS ? raw.technique : "other",
     total: raw.time_ms?.total?.median ?? null,
     node: raw.time_ms?.node?.median ?? null,
+    spread: raw.time_ms?.total ?? null,
+    wavers: quotient(raw.time_ms?.total?.p95, raw.time_ms?.total?.min) ?? 1,
     passes: passTimes(raw.time_ms),
     perPixel: raw.samples?.mean_k ?? (finite(ratio) && m ? ratio * m * m : null),
     quality: { truth: raw.quality?.truth ?? {}, grid: raw.quality?.grid ?? {} },
@@ -169,11 +173,39 @@ function choose({ entries, cost, error, against }) {
 // ---- The three sentences: [heading, text], with **strong** parts --------------------------------------------------
 
 function sentences(model) {
-  return [
-    ["Choose", chooseSentence(model)],
+  const all = [
+    ["Choose, at equal error", chooseSentence(model)],
+    ["At equal time", equalTimeSentence(model)],
     ["Against FXAA and SMAA", peersSentence(model)],
     ["Where adaptive pays", `${crossoverText(model)} ${oracleText(model)}`.trim()],
   ];
+  const loose = wavering(model);
+  if (!loose.length) return all;
+  const worst = least(loose, (e) => -e.wavers), others = loose.length - 1;
+  const warning = `The slowest frames of ${worst.name} took ${times(worst.wavers)} as long as its fastest` +
+    (others ? `, and ${others} more of the entries below wavered by over ${STEADY}×` : "") +
+    ". What follows is no advice: close what else runs and measure again, with more --frames.";
+  return [["Unsteady times", warning, "loose"], ...all.map(([title, text]) => [title, text.replaceAll("**", "")])];
+}
+
+/** The entries that the sentences rest on and whose times waver. */
+function wavering({ timed, best, pick, trade, candidates }) {
+  const basis = candidates.filter((e) => [best, pick, trade].includes(e) || e.role === "peer" || e.kind === "single");
+  return timed ? basis.filter((e) => e.wavers > STEADY) : [];
+}
+
+/** The best that is to be had in the time of the next smaller supersampling. */
+function equalTimeSentence(model) {
+  const { candidates, best, cost, error, timed, costWord } = model;
+  const full = candidates.filter((e) => e.kind === "full" && e !== best && (!best || cost(e) < cost(best)));
+  const budget = least(full, (e) => -cost(e));
+  if (!budget) return `Full of a second m was not measured: there is no ${costWord} to compare at.`;
+  const rival = least(candidates.filter((e) => isAdaptive(e) && cost(e) <= EQUAL_TIME * cost(budget)), error);
+  const within = `In the ${costWord} of ${budget.name}${timed && !model.software ? ` (${ms(cost(budget))})` : ""}`;
+  if (!rival) return `${within} nothing adaptive ends.`;
+  const errors = `${number(error(rival))} against ${number(error(budget))}`;
+  return error(rival) < error(budget) ? `${within} **${rival.name} has the lower error**: ${errors}.` :
+    `${within} **it is the best**: the nearest adaptive entry, ${rival.name}, has an error of ${errors}.`;
 }
 
 function chooseSentence(model) {
@@ -191,10 +223,12 @@ function chooseSentence(model) {
   }
   const reach = against === "grid" ? `has an error against its grid under ${GRID_GOOD}` :
     `comes within 10${NBSP}% of its error of ${number(error(best))}`;
-  const other = trade ? `; the best trade below it is **${trade.name}**, ${number(error(trade))} for ` +
-    `${times(cost(trade) / cost(best))} its ${costWord}` : "";
-  return `**${best.name}**: nothing that takes less ${costWord} ${reach}${other}.`;
+  const other = trade ? ` Cheapest sensible step down: **${trade.name}**, ${shownDb(error(trade))} for ` +
+    `${times(cost(trade) / cost(best))} its ${costWord}.` : "";
+  return `Most accurate: **${best.name}** (${shownDb(error(best))}); nothing that takes less ${costWord} ${reach}.${other}`;
 }
+
+const shownDb = (error) => decibels(error > 0 ? -20 * Math.log10(error) : IDENTICAL_DB);
 
 function besideBest({ against, best, pick, error }) {
   if (against === "grid") return `which ${best.name} computes in full`;
@@ -281,6 +315,11 @@ function crossoverText({ report }) {
   if (!finite(at)) {
     return `**Up to ${loops(last.x)} a sample it does not**: Windowed takes at best ${times(ratio(lowest))} Full's ` +
       `time, with ${loops(lowest.x)}.`;
+  }
+  const fits = report.cost.fits?.stall ?? {}, r2 = ["windowed_total_ms", "full_total_ms"].map((t) => fits[t]?.r2 ?? 1);
+  if (Math.min(...r2) < EXPLAINED) {
+    return "The times against shading weight scatter too much to say from where on Windowed pays: measure again, with " +
+      "more --frames.";
   }
   const from = at <= first.x ? `**At every shading weight measured**, ${first.x} to ${loops(last.x)} a sample` :
     `**From ${loops(Number(at.toPrecision(2)))} a sample on**`;

@@ -18,7 +18,7 @@ function scatter(host, model, spec) {
     const points = pointsOf(model, spec), bounds = spec.bounds(state);
     plot.replaceChildren(...(points.length ? drawScatter(model, spec, points, bounds, width) :
       [none(`Nothing measured: ${errorName(state)}.`)]));
-    notes.replaceChildren(...scatterNotes(model, points, bounds));
+    notes.replaceChildren(...scatterNotes(model, spec, points, bounds));
     showChosen();
   };
   const set = (field) => (value) => { state[field] = value; draw(); };
@@ -46,11 +46,21 @@ function drawScatter(model, spec, points, bounds, width) {
     fronts.filter((f) => f.length > 1).map((f) => line("frontier", f.map(at))),
     bounds.curves.map((c) => line("oracle", c.points.map(at))),
     bounds.crosses.map((c) => sv("path", { class: "cross", d: SHAPES.cross(5), transform: move(at(c)) })),
-    series.map((s) => sv("g", { class: `k-${s.kind}` }, line("line", s.front.map(at)))), marks,
+    series.map((s) => sv("g", { class: `k-${s.kind}` }, line("line", s.front.map(at)))),
+    points.map((p) => whisker(spec.spread?.(p.entry), p, x, box)), marks,
     placeLabels(labels, box, [...points, ...bounds.crosses]));
   const area = el("div", null, svg);
   handlePointer(model, spec, area, points, marks, tip, width);
   return [area, tip];
+}
+
+/** From the fastest to nearly the slowest frame of a point. */
+function whisker(spread, { entry, py }, x, { left, right }) {
+  if (!(spread?.min > 0 && spread.p95 > spread.min)) return null;
+  const [from, to] = [x(spread.min), x(spread.p95)].map((v) => Math.min(Math.max(v, left), right));
+  const wavers = entry.wavers > STEADY;
+  return sv("line", { class: wavers ? "spread loose" : "spread", x1: from, x2: to, y1: py, y2: py },
+    sv("title", null, `${entry.name}: ${spreadText(spread)}`));
 }
 
 /** Scales. An error of 0, of an entry that is its own reference, lies on a line under the logarithmic part. */
@@ -90,7 +100,8 @@ function scatterLabels(model, points, series, bounds, best, at) {
     ...of((e) => e === model.pick, short, true),
     ...of((e) => e.kind === "single" || e.role === "peer", (e) => e.label),
     ...of((e) => e.kind === "full" && e !== model.pick, short),
-    ...series.filter((s) => s.kind !== "full").map((s) => beside(s.front[0], s.name)),
+    ...series.filter((s) => s.kind !== "full").map((s) => beside(s.front.find((p) => p.entry === model.baseline) ??
+      s.front.find((p) => p.entry.preset === "balanced") ?? s.front[0], s.name)),
     ...bounds.curves.map((c) => beside(c.points[c.points.length - 1], `oracle m=${c.m}`)),
     ...of((e) => e.preset && e !== model.pick && best.has(e), short),
   ];
@@ -170,12 +181,14 @@ function pointKey(event, marks) {
   next.focus();
 }
 
-function scatterNotes(model, points, bounds) {
+function scatterNotes(model, spec, points, bounds) {
   const names = { ...KINDS, goal: "set by a goal" }, missing = model.entries.length - points.length;
   const kinds = Object.keys(names).filter((kind) => points.some((p) => p.entry.kind === kind));
   const legend = el("ul", { class: "legend" }, kinds.map((kind) => key(kind, mark(kind, 5), names[kind])),
     key("none", line("frontier", [[-7, 0], [7, 0]]), "frontier; faint: beaten; larger: greater m"),
     model.pick && key("none", sv("path", { class: "picked", d: ring(5.5) }), "recommended"),
+    spec.spread && points.some((p) => p.entry.wavers > STEADY) && key("none", sv("line", { class: "spread loose", x1: -7, x2: 7 }),
+      `times of frames, over ${STEADY}× apart`),
     bounds.curves.length > 0 && key("none", line("oracle", [[-9, 0], [9, 0]]), "oracle, mean of k"),
     bounds.crosses.length > 0 && key("none", sv("path", { class: "cross", d: SHAPES.cross(4) }), "exact coverage"));
   const text = `Not drawn, for want of a figure: ${missing} of ${model.entries.length} entries.`;

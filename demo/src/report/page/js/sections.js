@@ -296,7 +296,8 @@ function drawHeader({ report, software }) {
 }
 
 function drawSentences(host, model) {
-  host.append(...sentences(model).map(([title, text]) => el("li", null, el("h2", null, title), rich(text))));
+  host.append(...sentences(model).map(([title, text, kind]) =>
+    el("li", kind ? { class: kind } : null, el("h2", null, title), rich(text))));
 }
 
 function truthText(truth) {
@@ -308,13 +309,13 @@ function truthText(truth) {
 
 function drawMeasured(host, { report, entries }) {
   const { command, scene, triangles, lights, adapter } = report;
-  const content = [scene, finite(triangles) && `${number(triangles)} triangles`, finite(lights) && `${lights} lights`];
+  const content = [scene, finite(triangles) && `${number(triangles)} triangles`, finite(lights) && `${lights} light${lights === 1 ? "" : "s"}`];
   const rows = [
     ["Command", command && el("code", null, command)],
     ["Adapter", some([adapter?.name, adapter?.driver, adapter?.backend], ", ")],
     ["Truth", truthText(report.truth)],
     ["Scene", some(content, ", ")],
-    ["Times", "GPU timestamps, all entries in turn in every round; the median is shown, the spread on hover"],
+    ["Times", "GPU timestamps, all entries in turn in every round; the median is shown, the spread as a line through the point"],
     ["Entries", `${entries.length} measured`],
     ["Unfinished", list(report.unfinished).join(", ") || "nothing"],
   ];
@@ -323,7 +324,7 @@ function drawMeasured(host, { report, entries }) {
 
 function drawTime(host, model) {
   scatter(host, model, { name: "time", title: "Error against time", xName: "GPU time with the G-buffer, ms",
-    costName: "a time", cost: (e) => e.total, frontier: "time", state: { measure: "rmse", against: model.against },
+    costName: "a time", cost: (e) => e.total, spread: (e) => e.spread, frontier: "time", state: { measure: "rmse", against: model.against },
     bounds: () => NO_BOUNDS });
 }
 
@@ -332,6 +333,9 @@ function drawSamples(host, model) {
     costName: "samples", cost: (e) => e.perPixel, frontier: "samples",
     state: { measure: "rmse", against: model.againstSamples }, bounds: (state) => oracleBounds(model, state) });
 }
+
+/** Paper has no way to open what is closed. */
+addEventListener("beforeprint", () => document.querySelectorAll("details").forEach((d) => { d.open = true; }));
 
 const DRAW = {
   time: drawTime, sentences: drawSentences, samples: drawSamples, oracle: drawOracle, table: drawTable,
