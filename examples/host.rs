@@ -1,5 +1,5 @@
-//! A complete host: renders a fan of blades into the node's G-buffer, shades them with its own WGSL, and reads back the
-//! image and the statistics. Run it with `cargo run --example host`.
+//! A complete host: renders a fan of blades into the node's G-buffer, shades them with its own WGSL, reads back the image
+//! and the statistics, and writes host.png. Run it with `cargo run --example host`.
 
 use deferred_aa::glam::{Mat4, Vec3, camera::rh::proj::directx};
 use deferred_aa::wgpu::{self, BindingType, BufferBindingType, util::DeviceExt as _};
@@ -34,8 +34,9 @@ fn shade(s: DaaSample) -> vec4f {
 fn sky(s: DaaSample) -> vec4f { return vec4f(0.01, 0.015, 0.03, 1.0); }";
 
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let (_image, statistics) = render(Settings::default())?;
-    println!("{:.2} of 16 samples a pixel; pixels with 1, 2, …: {:?}", statistics.mean_k, statistics.histogram_k);
+    let (image, statistics) = render(Settings::default())?;
+    image::save_buffer("host.png", &image, SIZE.width, SIZE.height, image::ColorType::Rgba8)?;
+    println!("host.png: {:.2} of 16 samples a pixel; by k: {:?}", statistics.mean_k, statistics.histogram_k);
     Ok(())
 }
 

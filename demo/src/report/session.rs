@@ -100,6 +100,8 @@ pub struct Session {
     bar: ProgressBar,
     parts: Vec<String>,
     done: BTreeSet<String>,
+    /// Parts that rendered something, and were not taken up from an earlier run.
+    worked: BTreeSet<String>,
     /// Whether the notices about the scene were said.
     noted: AtomicBool,
 }
@@ -142,6 +144,7 @@ impl Session {
             bar,
             parts,
             done: BTreeSet::new(),
+            worked: BTreeSet::new(),
             noted: AtomicBool::new(false),
         }
     }
@@ -166,12 +169,15 @@ impl Session {
         if result.is_ok() {
             self.done.insert(name.to_owned());
         }
+        if self.bar.position() > 0 {
+            self.worked.insert(name.to_owned());
+        }
         result
     }
 
     /// About how long the parts from `place` on will take, by what those before took. `None` before any is done.
     fn to_go(&self, place: usize) -> Option<String> {
-        let done = self.parts.iter().take(place.saturating_sub(1));
+        let done = self.parts.iter().take(place.saturating_sub(1)).filter(|part| self.worked.contains(*part));
         let (weight, seconds) = done.fold((0.0, 0.0), |(weight, seconds), part| {
             (weight + part_weight(part), seconds + self.seconds.get(part).copied().unwrap_or(0.0))
         });
