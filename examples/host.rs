@@ -43,8 +43,7 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// Renders one frame, and returns its RGBA bytes row by row with its statistics.
 pub fn render(settings: Settings) -> Result<(Vec<u8>, Statistics), Box<dyn std::error::Error>> {
     // A device with the features and limits that the node needs.
-    let shading = Shading { source: SHADING, file: "SHADING" };
-    let node = Descriptor::new(FORMAT, shading);
+    let node = Descriptor::new(FORMAT, Shading { source: SHADING, file: "SHADING" });
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
     let adapter = pollster::block_on(instance.request_adapter(&Default::default()))?;
     let needs = DeferredAa::requirements(&adapter, &node);
