@@ -14,6 +14,7 @@ use bevy_deferred_aa::deferred_aa::{Effect, Preset, Settings, Technique};
 use bevy_deferred_aa::{DeferredAa, DeferredAaError, DeferredAaState};
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::Schedules;
+use bevy_gizmos::config::{DefaultGizmoConfigGroup, GizmoConfigStore};
 use bevy_math::UVec2;
 use bevy_mesh::{Mesh, Mesh3d};
 use bevy_pbr::{MeshMaterial3d, StandardMaterial};
@@ -50,7 +51,11 @@ fn supersampled(m: u32) -> Picture {
 fn insert(stage: &mut Stage, camera: Entity, aa: DeferredAa) {
     stage.world().entity_mut(camera).insert(aa);
     stage.run(2);
-    stage.run_until_active(camera);
+    run_until_active(stage, camera);
+}
+
+fn run_until_active(stage: &mut Stage, camera: Entity) {
+    stage.run_until_active(camera).unwrap_or_else(|e| panic!("{e}"));
 }
 
 #[test]
@@ -141,26 +146,35 @@ fn edges_are_better_than_those_of_fxaa_and_smaa() {
 /// Skybox, blended meshes and gizmos are drawn after the node, against its depth.
 #[test]
 fn what_is_drawn_over_the_image_fits_it() {
-    let with_more = |size: [u32; 2]| {
-        let (mut stage, camera, target) = stage(size);
+    let with_more = |scale: u32| {
+        let (mut stage, camera, target) = stage(SIZE.map(|side| side * scale));
         scene::spawn_over(stage.world());
+        // Lines are as wide as that many pixels.
+        let mut gizmos = stage.world().resource_mut::<GizmoConfigStore>();
+        gizmos.config_mut::<DefaultGizmoConfigGroup>().0.line.width = 2.0 * scale as f32;
         stage.app.add_systems(bevy_app::Update, scene::draw_gizmos);
         stage.run(12);
         (stage, camera, target)
     };
-    let (mut large, _, large_target) = with_more(SIZE.map(|side| side * 4));
+    let (mut large, _, large_target) = with_more(4);
     let large = large.picture(&large_target);
     let (truth, edges) = (large.reduced(4), large.edges(4));
-    let (mut stage, camera, target) = with_more(SIZE);
+    let yellow = |picture: &Picture| picture.pixels.iter().filter(|p| p[0] > 0.9 && p[1] > 0.7 && p[2] < 0.05).count();
+    let lines = yellow(&truth);
+    assert!(lines > 500, "{lines} pixels show gizmos");
+    let (mut stage, camera, target) = with_more(1);
     let off = stage.picture(&target);
     insert(&mut stage, camera, DeferredAa::full(4));
     let full = stage.picture(&target);
     let (inside, at_edges) = (full.psnr_where(&truth, |i| !edges[i]), full.psnr_where(&truth, |i| edges[i]));
     let without = off.psnr_where(&truth, |i| edges[i]);
+    let shown = yellow(&full);
+    println!("{lines} pixels of gizmos in the truth, {} without, {shown} with", yellow(&off));
     println!("inside {inside:.1} dB, at edges {at_edges:.1} dB, without {without:.1} dB");
     assert!(inside >= 45.0, "{inside} dB");
+    assert!(shown.abs_diff(yellow(&off)) * 50 < shown, "{shown} pixels show gizmos");
     // What is drawn over the image has edges of its own, as before.
-    assert!(at_edges >= without + 4.0, "{at_edges} dB, without {without} dB");
+    assert!(at_edges >= without + 3.0, "{at_edges} dB, without {without} dB");
     assert_eq!(stage.complaints(), Vec::<String>::new());
 }
 
@@ -296,7 +310,7 @@ fn split_screens_show_what_whole_ones_do() {
         }
         camera
     });
-    cameras.into_iter().for_each(|camera| stage.run_until_active(camera));
+    cameras.into_iter().for_each(|camera| run_until_active(&mut stage, camera));
     let picture = stage.picture(&large);
     for [x, y] in places.map(|place| place.map(|c| c as usize)) {
         let row = |r: usize| &picture.pixels[(y + r) * picture.size[0] + x..][..whole.size[0]];
@@ -318,7 +332,7 @@ fn sizes_techniques_and_the_component_change_without_complaint() {
     let other = stage.target([40, 30]);
     let surroundings = scene::surroundings(stage.world());
     let second = stage.camera(&other, (surroundings, scene::eye(), DeferredAa::default()));
-    stage.run_until_active(second);
+    run_until_active(&mut stage, second);
     let before = stage.picture(&other);
     let mut held = Vec::new();
     for i in 0..200u32 {
@@ -437,7 +451,7 @@ fn a_shader_that_changes_is_composed_again() {
         stage.run(2);
     };
     edit(&mut stage, "radiance = apply_pbr_lighting(pbr);", "radiance = vec4(8.0, 0.0, 0.0, 1.0);");
-    stage.run_until_active(camera);
+    run_until_active(&mut stage, camera);
     let red = stage.picture(&target);
     assert!(red.pixels.iter().filter(|p| p[0] > 4.0 && p[1] < 2.0).count() > red.pixels.len() / 4, "not red");
     edit(&mut stage, "vec4(8.0, 0.0, 0.0, 1.0)", "vec4(8.0,,)");
@@ -446,7 +460,7 @@ fn a_shader_that_changes_is_composed_again() {
     assert!(e.contains("shading.wesl"), "{e}");
     assert!(stage.picture(&target) == off, "not Bevy's own image");
     edit(&mut stage, "vec4(8.0,,)", "apply_pbr_lighting(pbr)");
-    stage.run_until_active(camera);
+    run_until_active(&mut stage, camera);
     assert!(stage.picture(&target) == before, "the image differs");
     assert_eq!(stage.complaints(), Vec::<String>::new());
 }
