@@ -1,6 +1,9 @@
 //! Draws the camera's deferred meshes into the enlarged G-buffer, with Bevy's own pipelines.
 
+use crate::diagnostics::Reports;
+use crate::extract::ExtractedDeferredAa;
 use crate::view::ViewNode;
+use bevy_core_pipeline::core_3d::Opaque3d;
 use bevy_core_pipeline::deferred::{AlphaMask3dDeferred, Opaque3dDeferred};
 use bevy_ecs::prelude::*;
 use bevy_log::error;
@@ -16,19 +19,25 @@ use deferred_aa::wgpu;
 
 pub fn raster(
     world: &World,
-    view: ViewQuery<(&ExtractedCamera, &ExtractedView, &ViewNode)>,
+    view: ViewQuery<(&ExtractedDeferredAa, &ExtractedCamera, &ExtractedView, &ViewNode)>,
     opaque: Res<ViewBinnedRenderPhases<Opaque3dDeferred>>,
     masked: Res<ViewBinnedRenderPhases<AlphaMask3dDeferred>>,
+    forward: Res<ViewBinnedRenderPhases<Opaque3d>>,
+    reports: Res<Reports>,
     mut ctx: RenderContext,
 ) {
     let entity = view.entity();
-    let (camera, extracted, node) = view.into_inner();
+    let (aa, camera, extracted, node) = view.into_inner();
     let Some(targets) = node.targets() else { return };
     let (Some(opaque), Some(masked)) =
         (opaque.get(&extracted.retained_view_entity), masked.get(&extracted.retained_view_entity))
     else {
         return;
     };
+    let is_forward = || forward.get(&extracted.retained_view_entity).is_some_and(|forward| !forward.is_empty());
+    if opaque.is_empty() && masked.is_empty() && is_forward() {
+        reports.forward(aa.camera);
+    }
     let diagnostics = ctx.diagnostic_recorder();
     let diagnostics = diagnostics.as_deref();
 
