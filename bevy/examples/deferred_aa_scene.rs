@@ -83,7 +83,7 @@ fn watch(
         if let RecursiveDependencyLoadState::Failed(e) = server.recursive_dependency_load_state(&scene.0)
             && !std::mem::replace(&mut *told, true)
         {
-            eprintln!("deferred_aa_scene: {e}");
+            eprintln!("deferred_aa_scene: {}", support::first_line(&*e));
             exit.write(AppExit::from_code(2));
         }
     }

@@ -52,6 +52,11 @@ pub fn check_scene(file: &str) -> Result<(), String> {
     }
 }
 
+/// An error without the backtrace that Bevy's may carry.
+pub fn first_line(e: &impl ToString) -> String {
+    e.to_string().lines().next().unwrap_or_default().to_owned()
+}
+
 /// Makes an app. Where Bevy panics, as it does without a GPU or a display, the process ends with one line and code 2.
 pub fn make<T>(program: &'static str, app: impl FnOnce() -> T) -> T {
     let before = std::panic::take_hook();
@@ -157,7 +162,7 @@ impl Stage {
             self.run(1);
             match server.recursive_dependency_load_state(&scene) {
                 RecursiveDependencyLoadState::Loaded => break,
-                RecursiveDependencyLoadState::Failed(e) => return Err(format!("{file}: {e}")),
+                RecursiveDependencyLoadState::Failed(e) => return Err(format!("{file}: {}", first_line(&*e))),
                 _ if start.elapsed() > Duration::from_secs(120) => {
                     return Err(format!("{file} did not load in two minutes"));
                 }

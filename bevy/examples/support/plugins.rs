@@ -11,7 +11,9 @@ static LOGS: AtomicBool = AtomicBool::new(false);
 pub fn add_to(app: &mut App, window: Option<Window>) {
     // One logger for all apps of a process.
     if !LOGS.swap(true, Ordering::Relaxed) {
-        app.add_plugins(bevy_log::LogPlugin { level: bevy_log::Level::WARN, ..Default::default() });
+        // What does not load is said by the examples.
+        let filter = format!("{},bevy_asset=off", bevy_log::DEFAULT_FILTER);
+        app.add_plugins(bevy_log::LogPlugin { level: bevy_log::Level::WARN, filter, ..Default::default() });
     }
     let has_window = window.is_some();
     app.add_plugins((
