@@ -41,14 +41,20 @@ pub fn raster(
     let diagnostics = ctx.diagnostic_recorder();
     let diagnostics = diagnostics.as_deref();
 
-    let attachment = |view| {
-        let ops = Operations { load: LoadOp::Clear(wgpu::Color::TRANSPARENT), store: StoreOp::Store };
+    let attachment = |view, store| {
+        let ops = Operations { load: LoadOp::Clear(wgpu::Color::TRANSPARENT), store };
         Some(RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops })
     };
-    // The places of Bevy's deferred prepass; normals and motion vectors are left to that.
+    let [normals, motion] = targets.unread.each_ref().map(|unread| attachment(unread.as_ref()?, StoreOp::Discard));
+    // The places of Bevy's deferred prepass.
     let mut pass = ctx.begin_tracked_render_pass(RenderPassDescriptor {
         label: Some("deferred_aa_raster"),
-        color_attachments: &[None, None, attachment(&targets.texels), attachment(&targets.lighting_passes)],
+        color_attachments: &[
+            normals,
+            motion,
+            attachment(&targets.texels, StoreOp::Store),
+            attachment(&targets.lighting_passes, StoreOp::Store),
+        ],
         depth_stencil_attachment: Some(RenderPassDepthStencilAttachment {
             view: &targets.depth,
             depth_ops: Some(Operations { load: LoadOp::Clear(0.0), store: StoreOp::Store }),
