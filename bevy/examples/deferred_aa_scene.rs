@@ -64,7 +64,7 @@ fn main() -> AppExit {
         present_mode: bevy_window::PresentMode::AutoNoVsync,
         ..Default::default()
     };
-    support::make("deferred_aa_scene", || plugins::add_to(&mut app, Some(window)));
+    support::make("deferred_aa_scene", || plugins::add_to(&mut app, Some(window), Default::default()));
     app.add_plugins(DeferredAaPlugin)
         .insert_resource(Choice { on: true, aa: DeferredAa::default(), name: "balanced" })
         .add_systems(Startup, move |world: &mut World| setup(world, file.as_deref()))

@@ -5,9 +5,9 @@ mod support;
 
 use bevy_anti_alias::fxaa::Fxaa;
 use bevy_anti_alias::smaa::{Smaa, SmaaPreset};
-use bevy_asset::Assets;
+use bevy_asset::{Asset, Assets, Handle, uuid_handle};
 use bevy_camera::Viewport;
-use bevy_core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
+use bevy_core_pipeline::prepass::{DeferredPrepass, DepthPrepass, MotionVectorPrepass};
 use bevy_core_pipeline::schedule::Core3d;
 use bevy_core_pipeline::tonemapping::Tonemapping;
 use bevy_deferred_aa::deferred_aa::{Effect, Preset, Settings, Technique};
@@ -15,23 +15,35 @@ use bevy_deferred_aa::{DeferredAa, DeferredAaError, DeferredAaState};
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::Schedules;
 use bevy_gizmos::config::{DefaultGizmoConfigGroup, GizmoConfigStore};
-use bevy_math::UVec2;
+use bevy_image::Image;
+use bevy_light::{EnvironmentMapLight, Skybox};
+use bevy_math::{UVec2, Vec3};
+use bevy_mesh::morph::{MeshMorphWeights, MorphAttributes};
 use bevy_mesh::{Mesh, Mesh3d};
-use bevy_pbr::{MeshMaterial3d, StandardMaterial};
-use bevy_reflect::{GetPath, PartialReflect};
+use bevy_pbr::{
+    DefaultOpaqueRendererMethod, ExtendedMaterial, MaterialExtension, MaterialPlugin, MeshMaterial3d,
+    ScreenSpaceAmbientOcclusion, ScreenSpaceReflections, StandardMaterial,
+};
+use bevy_reflect::{GetPath, PartialReflect, TypePath};
 use bevy_render::RenderApp;
 use bevy_render::camera::TemporalJitter;
 use bevy_render::occlusion_culling::OcclusionCulling;
-use bevy_shader::Shader;
+use bevy_render::render_resource::AsBindGroup;
+use bevy_render::settings::{WgpuLimits, WgpuSettings, WgpuSettingsPriority};
+use bevy_render::view::Msaa;
+use bevy_shader::{Shader, ShaderRef};
 use bevy_transform::prelude::*;
 use support::picture::Picture;
-use support::{Stage, scene};
+use support::{Stage, plugins, scene};
 
 const SIZE: [u32; 2] = [320, 180];
 
 /// A stage with the scene, and a deferred camera into an image of this size.
-fn stage(size: [u32; 2]) -> (Stage, Entity, bevy_asset::Handle<bevy_image::Image>) {
-    let mut stage = Stage::new();
+fn stage(size: [u32; 2]) -> (Stage, Entity, Handle<Image>) {
+    filled(Stage::new(), size)
+}
+
+fn filled(mut stage: Stage, size: [u32; 2]) -> (Stage, Entity, Handle<Image>) {
     scene::spawn(stage.world());
     let surroundings = scene::surroundings(stage.world());
     let target = stage.target(size);
@@ -253,6 +265,204 @@ fn what_can_t_work_is_refused_and_rendered_without() {
     stage.world().entity_mut(camera).insert(TemporalJitter::default());
     stage.run(6);
     assert_eq!(stage.state(camera), DeferredAaState::Refused(DeferredAaError::Jitter));
+    assert_eq!(stage.complaints(), Vec::<String>::new());
+}
+
+#[test]
+fn a_camera_without_the_prepass_is_rendered_as_without() {
+    let (mut stage, camera, target) = stage([64, 48]);
+    // With the DepthPrepass alone Bevy panics.
+    stage.world().entity_mut(camera).insert(DeferredAa::default()).remove::<(DeferredPrepass, DepthPrepass)>();
+    stage.run(12);
+    assert_eq!(stage.state(camera), DeferredAaState::Refused(DeferredAaError::NoPrepass));
+    let with = stage.picture(&target);
+    stage.world().entity_mut(camera).remove::<DeferredAa>();
+    stage.run(4);
+    assert!(stage.picture(&target) == with, "the image differs");
+    assert_eq!(logged("the camera has no DeferredPrepass"), 1);
+    assert_eq!(stage.complaints(), Vec::<String>::new());
+}
+
+/// How often a message with this text was logged by any test.
+fn logged(text: &str) -> usize {
+    plugins::LOGGED.lock().expect("no panic").iter().filter(|message| message.contains(text)).count()
+}
+
+/// The limits of WebGL, where nothing can be computed.
+#[test]
+fn an_adapter_without_what_it_takes_renders_as_without() {
+    let on_web = |has: bool| {
+        let settings = WgpuSettings {
+            priority: WgpuSettingsPriority::WebGL2,
+            limits: WgpuLimits::downlevel_webgl2_defaults(),
+            ..Default::default()
+        };
+        let (mut stage, camera, target) = filled(Stage::with(settings, |_| {}), [64, 48]);
+        // WebGL does not filter its format.
+        stage.world().entity_mut(camera).remove::<(Skybox, EnvironmentMapLight)>();
+        if has {
+            stage.world().entity_mut(camera).insert(DeferredAa::default());
+        }
+        stage.run(12);
+        if has {
+            let start = std::time::Instant::now();
+            while stage.state(camera) == DeferredAaState::Waiting {
+                assert!(start.elapsed().as_secs() < 300, "not refused");
+                stage.run(1);
+            }
+            stage.run(6);
+        }
+        (stage.picture(&target), stage.state(camera), stage.complaints())
+    };
+    let (without, _, complaints) = on_web(false);
+    let (with, state, more) = on_web(true);
+    let DeferredAaState::Refused(DeferredAaError::Adapter(missing)) = state else { panic!("{state:?}") };
+    assert!(missing.iter().any(|missing| missing.contains("max_compute_workgroup_size_x")), "{missing:?}");
+    assert!(with == without, "the image differs");
+    assert_eq!(more, complaints);
+    assert_eq!(logged("this adapter lacks"), 1);
+}
+
+/// Bevy turns multisampling off, and its images are those without.
+#[test]
+fn multisampling_is_off() {
+    let (mut stage, camera, target) = stage([64, 48]);
+    insert(&mut stage, camera, DeferredAa::default());
+    let before = stage.picture(&target);
+    stage.world().entity_mut(camera).insert(Msaa::Sample4);
+    stage.run(6);
+    assert_eq!(stage.state(camera), DeferredAaState::Active);
+    assert!(stage.picture(&target) == before, "the image differs");
+    assert_eq!(stage.complaints(), Vec::<String>::new());
+}
+
+#[test]
+fn forward_meshes_are_drawn_as_without() {
+    let (mut stage, camera, target) = stage([64, 48]);
+    stage.world().insert_resource(DefaultOpaqueRendererMethod::forward());
+    stage.run(12);
+    let without = stage.picture(&target);
+    insert(&mut stage, camera, DeferredAa::default());
+    let psnr = stage.picture(&target).psnr(&without);
+    assert!(psnr >= 60.0, "{psnr} dB");
+    assert_eq!(logged("none of the meshes that it sees is deferred"), 1);
+    assert_eq!(stage.complaints(), Vec::<String>::new());
+}
+
+/// A material of the app's own upon Bevy's.
+#[derive(Asset, AsBindGroup, TypePath, Clone, Default)]
+struct Striped {}
+
+const STRIPED: Handle<Shader> = uuid_handle!("5f0c9c3e-5f44-4d6e-9f0c-8a3a2b1c7d10");
+
+impl MaterialExtension for Striped {
+    fn deferred_fragment_shader() -> ShaderRef {
+        STRIPED.into()
+    }
+}
+
+const STRIPED_WESL: &str = "
+import bevy_pbr::{
+    deferred::functions::deferred_output,
+    prepass::io::{FragmentOutput, VertexOutput},
+    render::pbr_fragment::pbr_input_from_standard_material,
+};
+
+@fragment
+fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> FragmentOutput {
+    var pbr = pbr_input_from_standard_material(in, is_front);
+    if fract(in.world_position.y * 4.0) < 0.5 {
+        pbr.material.base_color = vec4(1.0, 0.0, 1.0, 1.0);
+    }
+    return deferred_output(in, pbr);
+}
+";
+
+#[test]
+fn morphed_meshes_and_extended_materials_are_bevys_own() {
+    let with_both = |scale: u32| {
+        let stage = Stage::with(WgpuSettings::default(), |app| {
+            app.add_plugins(MaterialPlugin::<ExtendedMaterial<StandardMaterial, Striped>>::default());
+        });
+        let (mut stage, camera, target) = filled(stage, SIZE.map(|side| side * scale));
+        let world = stage.world();
+        let shader = Shader::from_wesl(STRIPED_WESL, "tests/striped.wesl");
+        world.resource_mut::<Assets<Shader>>().insert(STRIPED.id(), shader).expect("the shader");
+        let mut mesh = Mesh::from(bevy_shape::prelude::Sphere::new(0.4));
+        // It grows to twice the height.
+        let positions = mesh.attribute(Mesh::ATTRIBUTE_POSITION).and_then(|p| p.as_float3()).expect("positions");
+        let taller = |p: &[f32; 3]| MorphAttributes::new(Vec3::new(0.0, 2.0 * p[1], 0.0), Vec3::ZERO, Vec3::ZERO);
+        let targets = positions.iter().map(taller).collect();
+        mesh.set_morph_targets(targets);
+        let mesh = world.resource_mut::<Assets<Mesh>>().add(mesh);
+        let material = ExtendedMaterial { base: StandardMaterial::default(), extension: Striped::default() };
+        let material = world.resource_mut::<Assets<ExtendedMaterial<_, _>>>().add(material);
+        let weights = MeshMorphWeights::Value { weights: vec![0.5] };
+        world.spawn((Mesh3d(mesh), MeshMaterial3d(material), weights, Transform::from_xyz(0.6, 1.4, 2.0)));
+        stage.run(12);
+        (stage, camera, target)
+    };
+    let (mut large, _, large_target) = with_both(2);
+    let truth = large.picture(&large_target).reduced(2);
+    let magenta = |p: &[f32; 3]| p[0] > 4.0 * p[1] && p[2] > 4.0 * p[1];
+    let rows = (0..truth.size[1]).filter(|y| truth.pixels[y * truth.size[0]..][..truth.size[0]].iter().any(magenta));
+    let rows = rows.count();
+    println!("stripes in {rows} rows");
+    let (mut stage, camera, target) = with_both(1);
+    insert(&mut stage, camera, DeferredAa::full(2));
+    let psnr = stage.picture(&target).psnr(&truth);
+    println!("{psnr:.1} dB");
+    assert!(rows > 15 && psnr >= 50.0, "stripes in {rows} rows, {psnr} dB");
+    assert_eq!(stage.complaints(), Vec::<String>::new());
+}
+
+/// What effects that read the G-buffer of Bevy's own size add to the image, where that has enough samples.
+#[test]
+fn screen_space_effects_add_what_they_add_to_bevys_own() {
+    let (mut stage, camera, target) = stage(SIZE);
+    let world = stage.world();
+    let mirror = world.resource_mut::<Assets<Mesh>>().add(Mesh::from(bevy_shape::prelude::Cuboid::new(5.0, 0.1, 2.0)));
+    let material = StandardMaterial { metallic: 1.0, perceptual_roughness: 0.12, ..Default::default() };
+    let material = world.resource_mut::<Assets<StandardMaterial>>().add(material);
+    world.spawn((Mesh3d(mirror), MeshMaterial3d(material), Transform::from_xyz(0.0, 0.0, 3.0)));
+    stage.run(12);
+    let plain = stage.picture(&target);
+    insert(&mut stage, camera, DeferredAa::full(2));
+    let ours = stage.picture(&target);
+    stage.world().entity_mut(camera).remove::<DeferredAa>();
+    // Reflections are sampled anew in every frame.
+    let mean = |stage: &mut Stage| {
+        let mut sum = stage.picture(&target);
+        for i in 1..16 {
+            stage.run(1);
+            let next = stage.picture(&target);
+            let share = 1.0 / (i as f32 + 1.0);
+            for (mean, new) in sum.pixels.iter_mut().zip(next.pixels) {
+                *mean = [0, 1, 2].map(|c| mean[c] + (new[c] - mean[c]) * share);
+            }
+        }
+        sum
+    };
+    let check = |stage: &mut Stage, name: &str| {
+        stage.run(12);
+        let without = mean(stage);
+        let added = |i: usize, c: usize| ours.pixels[i][c] + without.pixels[i][c] - plain.pixels[i][c];
+        let pixels = (0..ours.pixels.len()).map(|i| [0, 1, 2].map(|c| added(i, c))).collect();
+        let expected = Picture { size: ours.size, pixels };
+        insert(stage, camera, DeferredAa::full(2));
+        let with = mean(stage);
+        let enough = |i: usize| (0..3).all(|c| (plain.pixels[i][c] - ours.pixels[i][c]).abs() < 0.01);
+        let (found, effect) = (with.psnr_where(&expected, enough), expected.psnr_where(&ours, enough));
+        println!("{name}: {found:.1} dB, and {effect:.1} dB from the image without it");
+        assert!(found >= effect + 6.0 && effect < 50.0, "{name}: {found} dB, without the effect {effect} dB");
+        stage.world().entity_mut(camera).remove::<DeferredAa>();
+    };
+    stage.world().entity_mut(camera).insert(ScreenSpaceAmbientOcclusion::default());
+    check(&mut stage, "SSAO");
+    // The prepass of normals stays.
+    stage.world().entity_mut(camera).remove::<ScreenSpaceAmbientOcclusion>();
+    stage.world().entity_mut(camera).insert((ScreenSpaceReflections::default(), MotionVectorPrepass));
+    check(&mut stage, "SSR");
     assert_eq!(stage.complaints(), Vec::<String>::new());
 }
 

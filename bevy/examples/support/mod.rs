@@ -23,6 +23,7 @@ use bevy_render::error_handler::{RenderErrorHandler, RenderErrorPolicy};
 use bevy_render::render_asset::RenderAssets;
 use bevy_render::render_resource::{TextureFormat, TextureUsages};
 use bevy_render::renderer::{RenderDevice, RenderQueue};
+use bevy_render::settings::WgpuSettings;
 use bevy_render::texture::GpuImage;
 use bevy_time::TimeUpdateStrategy;
 use bevy_transform::prelude::*;
@@ -81,9 +82,15 @@ pub struct Stage {
 
 impl Stage {
     pub fn new() -> Self {
+        Self::with(WgpuSettings::default(), |_| {})
+    }
+
+    /// With other settings of the GPU, and more plugins.
+    pub fn with(settings: WgpuSettings, more: impl FnOnce(&mut App)) -> Self {
         let mut app = App::new();
-        plugins::add_to(&mut app, None);
+        plugins::add_to(&mut app, None, settings);
         app.add_plugins(DeferredAaPlugin);
+        more(&mut app);
         // The same moment in every frame and every run.
         app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f32(1.0 / 60.0)))
             .init_resource::<Complaints>()
