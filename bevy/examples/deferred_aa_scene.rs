@@ -8,6 +8,7 @@
 mod support;
 
 use bevy_app::prelude::*;
+use bevy_asset::RecursiveDependencyLoadState;
 use bevy_asset::prelude::*;
 use bevy_camera::Hdr;
 use bevy_camera::prelude::*;
@@ -43,11 +44,18 @@ struct Choice {
     name: &'static str,
 }
 
-fn main() {
-    let file = std::env::args().nth(1);
-    if let Some(file) = file.as_ref().filter(|file| !std::path::Path::new(file).is_file()) {
-        eprintln!("deferred_aa_scene: there is no file {file}");
-        std::process::exit(2);
+fn main() -> AppExit {
+    let mut words = std::env::args().skip(1);
+    let file = words.next();
+    let checked = match (&file, words.next()) {
+        (Some(option), _) if option.starts_with('-') => Err(format!("no option {option}; it takes a glTF file")),
+        (_, Some(further)) => Err(format!("it takes one glTF file, not {further}, too")),
+        (Some(file), None) => support::check_scene(file),
+        (None, None) => Ok(()),
+    };
+    if let Err(e) = checked {
+        eprintln!("deferred_aa_scene: {e}");
+        return AppExit::from_code(2);
     }
     let mut app = App::new();
     let window = Window {
@@ -56,12 +64,29 @@ fn main() {
         present_mode: bevy_window::PresentMode::AutoNoVsync,
         ..Default::default()
     };
-    plugins::add_to(&mut app, Some(window));
+    support::make("deferred_aa_scene", || plugins::add_to(&mut app, Some(window), Default::default()));
     app.add_plugins(DeferredAaPlugin)
         .insert_resource(Choice { on: true, aa: DeferredAa::default(), name: "balanced" })
         .add_systems(Startup, move |world: &mut World| setup(world, file.as_deref()))
-        .add_systems(Update, (choose, orbit, say).chain());
-    app.run();
+        .add_systems(Update, (watch, choose, orbit, say).chain());
+    app.run()
+}
+
+/// Ends the app if its scene can't be loaded.
+fn watch(
+    scenes: Query<&WorldAssetRoot>,
+    server: Res<AssetServer>,
+    mut told: Local<bool>,
+    mut exit: MessageWriter<AppExit>,
+) {
+    for scene in &scenes {
+        if let RecursiveDependencyLoadState::Failed(e) = server.recursive_dependency_load_state(&scene.0)
+            && !std::mem::replace(&mut *told, true)
+        {
+            eprintln!("deferred_aa_scene: {}", support::first_line(&*e));
+            exit.write(AppExit::from_code(2));
+        }
+    }
 }
 
 fn setup(world: &mut World, file: Option<&str>) {

@@ -39,7 +39,11 @@ impl Arguments {
                         .filter(|sides| sides.iter().all(|side| (1..=2048).contains(side)))
                         .ok_or(format!("--size takes sides of 1 to 2048 pixels such as 320x180, not '{size}'"))?;
                 }
-                "--scene" => read.scene = Some(words.next().ok_or("--scene takes a glTF file")?),
+                "--scene" => {
+                    let scene = words.next().ok_or("--scene takes a glTF file")?;
+                    support::check_scene(&scene)?;
+                    read.scene = Some(scene);
+                }
                 folder if !folder.starts_with('-') => read.folder = folder.into(),
                 other => {
                     return Err(format!("no option {other}; there are --size WxH, --scene FILE.gltf and a folder"));
@@ -63,7 +67,7 @@ fn stage(
     arguments: &Arguments,
     size: [u32; 2],
 ) -> Result<(Stage, Entity, bevy_asset::Handle<bevy_image::Image>), String> {
-    let mut stage = Stage::new();
+    let mut stage = support::make("headless", Stage::new);
     let eye = match &arguments.scene {
         Some(file) => stage.load(file)?,
         None => {
@@ -93,34 +97,38 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     };
     let (truth, edges) =
         (large.reduced(TRUTH as usize).before_reinhard(), large.before_reinhard().edges(TRUTH as usize));
-    truth.write(&folder.join("truth.png"));
+    truth.write(&folder.join("truth.png"))?;
     drop(large);
 
     let (mut stage, camera, target) = stage(arguments, arguments.size)?;
     println!("{}×{}, PSNR to {TRUTH}×{TRUTH} pixels of Bevy's own for each", arguments.size[0], arguments.size[1]);
     println!("{:<18} {:>8} {:>9} {:>8} {:>9}  passes, ms", "", "PSNR", "at edges", "lit", "memory");
     let mut shown = Vec::new();
-    let mut row = |stage: &mut Stage, name: &str, picture: Picture| {
+    let mut row = |stage: &mut Stage, name: &str, picture: Picture| -> Result<(), String> {
         let picture = picture.before_reinhard();
-        picture.write(&folder.join(format!("{}.png", name.replace(' ', "-"))));
+        picture.write(&folder.join(format!("{}.png", name.replace(' ', "-"))))?;
         let status = stage.status(camera).cloned().unwrap_or_default();
         let lit = status.statistics.as_ref().map_or("-".to_owned(), |s| format!("{:.2} px", s.mean_k));
         let bytes = if status.bytes == 0 { "-".to_owned() } else { format!("{:.1} MB", status.bytes as f64 / 1e6) };
+        // A picture may have no edges.
+        let decibels = |psnr: f64| if psnr.is_nan() { "-".to_owned() } else { format!("{psnr:.1} dB") };
         let (all, at_edges) = (picture.psnr(&truth), picture.psnr_where(&truth, |i| edges[i]));
-        println!("{name:<18} {all:>5.1} dB {at_edges:>6.1} dB {lit:>8} {bytes:>9}  {}", times(stage));
+        let (all, at_edges) = (decibels(all), decibels(at_edges));
+        println!("{name:<18} {all:>8} {at_edges:>9} {lit:>8} {bytes:>9}  {}", times(stage));
         shown.push((name.to_owned(), picture));
+        Ok(())
     };
     let off = stage.picture(&target);
-    row(&mut stage, "off", off);
+    row(&mut stage, "off", off)?;
 
     stage.world().entity_mut(camera).insert(Fxaa::default());
     stage.run(8);
     let fxaa = stage.picture(&target);
-    row(&mut stage, "FXAA", fxaa);
+    row(&mut stage, "FXAA", fxaa)?;
     stage.world().entity_mut(camera).remove::<Fxaa>().insert(Smaa { preset: SmaaPreset::Ultra });
     stage.run(8);
     let smaa = stage.picture(&target);
-    row(&mut stage, "SMAA ultra", smaa);
+    row(&mut stage, "SMAA ultra", smaa)?;
     stage.world().entity_mut(camera).remove::<Smaa>();
 
     for m in [2, 3, 4] {
@@ -128,10 +136,10 @@ fn run(arguments: &Arguments) -> Result<(), String> {
         for (name, aa) in presets.into_iter().chain([("full".to_owned(), DeferredAa::full(m))]) {
             stage.world().entity_mut(camera).insert(DeferredAa { m, ..aa });
             stage.run(2);
-            stage.run_until_active(camera);
+            stage.run_until_active(camera)?;
             stage.run(8);
             let picture = stage.picture(&target);
-            row(&mut stage, &format!("{name} m = {m}"), picture);
+            row(&mut stage, &format!("{name} m = {m}"), picture)?;
         }
     }
     // Bevy's own, FXAA, SMAA, and ours at m = 2 and 3: the edges of the torus, the blade and the leaves.
@@ -139,7 +147,7 @@ fn run(arguments: &Arguments) -> Result<(), String> {
         .iter()
         .filter_map(|name| shown.iter().find(|(shown, _)| shown == name).map(|(_, picture)| picture))
         .collect();
-    Picture::strip(&parts, [0.66, 0.3], [0.2, 0.32], 2).write(&folder.join("comparison.png"));
+    Picture::strip(&parts, [0.66, 0.3], [0.2, 0.32], 2).write(&folder.join("comparison.png"))?;
 
     let complaints = stage.complaints();
     if complaints.is_empty() { Ok(()) } else { Err(complaints.join("\n")) }

@@ -22,7 +22,8 @@ use deferred_aa::{Preset, Settings, Statistics, Technique};
 pub struct DeferredAa {
     /// The number of samples along one side of a pixel, 1 to 8. Higher: finer edges, textures and highlights, while the
     /// memory of the G-buffer, 33 bytes a sample, and the time to rasterise grow with m²: at 1920×1080 that is 274 MB for
-    /// m = 2, 616 MB for m = 3 and 1.1 GB for m = 4.
+    /// m = 2, 616 MB for m = 3 and 1.1 GB for m = 4. `NormalPrepass`, which SSAO needs, and `MotionVectorPrepass` add 4
+    /// bytes a sample each.
     pub m: u32,
     /// How samples are chosen, and everything else that may change from frame to frame.
     #[reflect(remote = crate::settings::Settings)]

@@ -4,7 +4,7 @@ use crate::component::{DeferredAaState, DeferredAaStatus};
 use bevy_app::prelude::*;
 use bevy_diagnostic::{Diagnostic, DiagnosticPath, Diagnostics, RegisterDiagnostic};
 use bevy_ecs::prelude::*;
-use bevy_log::error;
+use bevy_log::{error, warn};
 use bevy_platform::collections::HashMap;
 use deferred_aa::Statistics;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -26,6 +26,8 @@ pub struct Report {
 struct OfCamera {
     state: DeferredAaState,
     report: Report,
+    /// Whether it was said that its meshes are not deferred.
+    is_forward: bool,
 }
 
 /// Shared by both worlds, by the cameras of the main world.
@@ -47,6 +49,17 @@ impl Reports {
             error!("DeferredAa of camera {camera}: {e}");
         }
         of.state = state;
+    }
+
+    /// The camera sees opaque meshes, none of which is deferred. That is said once.
+    pub fn forward(&self, camera: Entity) {
+        if !std::mem::replace(&mut self.lock().entry(camera).or_default().is_forward, true) {
+            warn!(
+                "DeferredAa of camera {camera}: none of the meshes that it sees is deferred, so none is anti-aliased; \
+                 set opaque_render_method of their materials to OpaqueRendererMethod::Deferred, or leave it at Auto and \
+                 insert DefaultOpaqueRendererMethod::deferred()"
+            );
+        }
     }
 
     pub fn frame(&self, camera: Entity, report: Report) {

@@ -17,6 +17,11 @@ pub enum DeferredAaError {
     /// The camera renders at another resolution than its target's.
     #[error("the camera has a MainPassResolutionOverride, as upscalers use it; remove that, or DeferredAa")]
     ResolutionOverride,
+    /// Without the prepass Bevy draws no deferred mesh to the camera.
+    #[error(
+        "the camera has no DeferredPrepass, without which Bevy draws no deferred mesh; insert it, or remove DeferredAa"
+    )]
+    NoPrepass,
     /// Two-phase occlusion culling draws a mesh in one of two halves of the prepass.
     #[error("the camera has OcclusionCulling, whose second half can't be drawn again; remove that, or DeferredAa")]
     OcclusionCulling,

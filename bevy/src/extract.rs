@@ -4,6 +4,7 @@ use crate::component::DeferredAa;
 use crate::error::DeferredAaError;
 use crate::view::ViewNode;
 use bevy_camera::{Camera, MainPassResolutionOverride};
+use bevy_core_pipeline::prepass::DeferredPrepass;
 use bevy_ecs::prelude::*;
 use bevy_pbr::deferred::SkipDeferredLighting;
 use bevy_render::Extract;
@@ -28,16 +29,18 @@ type Cameras<'w, 's> = Query<
         RenderEntity,
         &'static Camera,
         Option<&'static DeferredAa>,
-        (Has<TemporalJitter>, Has<MainPassResolutionOverride>, Has<OcclusionCulling>),
+        (Has<DeferredPrepass>, Has<TemporalJitter>, Has<MainPassResolutionOverride>, Has<OcclusionCulling>),
     ),
 >;
 
 pub fn cameras(mut commands: Commands, cameras: Extract<Cameras<'_, '_>>, had: Query<Has<ExtractedDeferredAa>>) {
-    for (camera, entity, settings, aa, (jitter, resolution, occlusion)) in &cameras {
+    for (camera, entity, settings, aa, (prepass, jitter, resolution, occlusion)) in &cameras {
         let aa = aa.filter(|_| settings.is_active);
         let Ok(mut entity_commands) = commands.get_entity(entity) else { continue };
         if let Some(&settings) = aa {
-            let refused = if jitter {
+            let refused = if !prepass {
+                Some(DeferredAaError::NoPrepass)
+            } else if jitter {
                 Some(DeferredAaError::Jitter)
             } else if resolution {
                 Some(DeferredAaError::ResolutionOverride)

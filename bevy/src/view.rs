@@ -9,6 +9,7 @@ use crate::extract::ExtractedDeferredAa;
 use crate::pack::PackPipeline;
 use crate::program::{Composer, IMAGE_FORMAT, NEEDS, Program, ProgramKey, Programs, RootShader, node_error};
 use bevy_core_pipeline::deferred::{DEFERRED_LIGHTING_PASS_ID_FORMAT, DEFERRED_PREPASS_FORMAT};
+use bevy_core_pipeline::prepass::{MOTION_VECTOR_PREPASS_FORMAT, NORMAL_PREPASS_FORMAT};
 use bevy_ecs::prelude::*;
 use bevy_light::Skybox;
 use bevy_math::UVec4;
@@ -54,6 +55,9 @@ pub struct Targets {
     /// Bevy's deferred G-buffer.
     pub texels: wgpu::TextureView,
     pub lighting_passes: wgpu::TextureView,
+    /// Normals and motion vectors, which the deferred pipelines of a camera with those prepasses write, too. Nothing
+    /// reads them.
+    pub unread: [Option<wgpu::TextureView>; 2],
     /// The node's depth.
     pub depth: wgpu::TextureView,
     /// The node's image, and the depth of its pixels.
@@ -188,7 +192,7 @@ fn ready(
             preparing.device.wgpu_device(),
             &preparing.queue,
             view.viewport,
-            lighting_pass,
+            (lighting_pass, mesh),
             (&preparing.pack, &preparing.composite),
         )
     };
@@ -242,7 +246,7 @@ impl ViewNode {
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         viewport: UVec4,
-        lighting_pass: u32,
+        (lighting_pass, mesh): (u32, MeshPipelineKey),
         (pack, composite): (&PackPipeline, &CompositePipelines),
     ) -> Result<(), DeferredAaError> {
         let [x, y, width, height] = viewport.to_array();
@@ -251,7 +255,7 @@ impl ViewNode {
         if !made {
             self.targets = None;
             self.node.resize(device, width, height).map_err(node_error)?;
-            self.targets = Targets::new(device, &self.node, size, (pack, composite));
+            self.targets = Targets::new(device, &self.node, (size, mesh), (pack, composite));
         }
         let Some(targets) = &mut self.targets else { return Ok(()) };
         if !made || (targets.origin, targets.lighting_pass) != (origin, lighting_pass) {
@@ -267,7 +271,7 @@ impl Targets {
     fn new(
         device: &wgpu::Device,
         node: &DeferredAa,
-        size: [u32; 2],
+        (size, mesh): ([u32; 2], MeshPipelineKey),
         (pack, composite): (&PackPipeline, &CompositePipelines),
     ) -> Option<Self> {
         let gbuffer = node.gbuffer()?;
@@ -287,6 +291,12 @@ impl Targets {
         };
         let texels = texture("deferred_aa_texels", samples, DEFERRED_PREPASS_FORMAT);
         let lighting_passes = texture("deferred_aa_lighting_passes", samples, DEFERRED_LIGHTING_PASS_ID_FORMAT);
+        let prepasses = [
+            (MeshPipelineKey::NORMAL_PREPASS, NORMAL_PREPASS_FORMAT),
+            (MeshPipelineKey::MOTION_VECTOR_PREPASS, MOTION_VECTOR_PREPASS_FORMAT),
+        ];
+        let unread = prepasses
+            .map(|(prepass, format)| mesh.contains(prepass).then(|| texture("deferred_aa_unread", samples, format)));
         let image = texture("deferred_aa_image", size, IMAGE_FORMAT);
         let image_depth = texture("deferred_aa_depth", size, deferred_aa::gbuffer::DEPTH_FORMAT);
         let uniform = device.create_buffer(&wgpu::BufferDescriptor {
@@ -303,10 +313,11 @@ impl Targets {
             depth: gbuffer.depth.clone(),
             pack: pack.group(device, &texels, &lighting_passes),
             composite: composite.group(device, &image, &image_depth, &uniform),
-            // 16 bytes of Bevy's texel and 1 of the lighting pass; 8 of colour and 4 of depth.
-            bytes: 17 * area(samples) + 12 * area(size),
+            // 16 bytes of Bevy's texel, 1 of the lighting pass and 4 of what is not read; 8 of colour and 4 of depth.
+            bytes: (17 + 4 * unread.iter().flatten().count() as u64) * area(samples) + 12 * area(size),
             texels,
             lighting_passes,
+            unread,
             image,
             image_depth,
             uniform,

@@ -19,8 +19,9 @@ pub struct Shading<'a> {
     /// `fn reflection(s: DaaSample) -> DaaReflection` says what a surface reflects and refracts, and
     /// `fn solid(material: u32, uv: vec2f, user: u32) -> bool` whether a masked mesh stops a ray.
     ///
-    /// Its resources are bound at [`HOST_GROUP`](crate::HOST_GROUP). `shaders/contract.wgsl` has everything that it may
-    /// use.
+    /// Its resources are bound at [`HOST_GROUP`](crate::HOST_GROUP) and, with
+    /// [`DeferredAa::with_groups`](crate::DeferredAa::with_groups), at [`SECOND_HOST_GROUP`](crate::SECOND_HOST_GROUP),
+    /// too. `shaders/contract.wgsl` has everything that it may use.
     pub source: &'a str,
     /// The file name that error messages give.
     pub file: &'a str,

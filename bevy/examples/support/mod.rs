@@ -23,6 +23,7 @@ use bevy_render::error_handler::{RenderErrorHandler, RenderErrorPolicy};
 use bevy_render::render_asset::RenderAssets;
 use bevy_render::render_resource::{TextureFormat, TextureUsages};
 use bevy_render::renderer::{RenderDevice, RenderQueue};
+use bevy_render::settings::WgpuSettings;
 use bevy_render::texture::GpuImage;
 use bevy_time::TimeUpdateStrategy;
 use bevy_transform::prelude::*;
@@ -30,6 +31,45 @@ use bevy_world_serialization::{WorldAsset, WorldAssetRoot};
 use half::f16;
 use picture::Picture;
 use std::time::{Duration, Instant};
+
+/// Says in one line why a file can't be a glTF scene, where its first bytes show it.
+pub fn check_scene(file: &str) -> Result<(), String> {
+    let path = std::path::Path::new(file);
+    let bytes = match std::fs::metadata(path) {
+        Ok(found) if found.is_file() => std::fs::read(path).map_err(|e| format!("{file}: {e}"))?,
+        Ok(_) => return Err(format!("{file} is no file")),
+        Err(_) => return Err(format!("there is no file {file}")),
+    };
+    let is_named = path.extension().is_some_and(|name| name == "gltf" || name == "glb");
+    match (bytes.strip_prefix(b"glTF"), bytes.iter().find(|byte| !byte.is_ascii_whitespace())) {
+        // The version and the length of the file follow.
+        (Some([_, _, _, _, a, b, c, d, ..]), _) if is_named => {
+            let whole = u32::from_le_bytes([*a, *b, *c, *d]) as usize;
+            let held = bytes.len();
+            if held < whole { Err(format!("{file} is cut off: it holds {held} of {whole} bytes")) } else { Ok(()) }
+        }
+        (None, Some(b'{')) if is_named => Ok(()),
+        _ => Err(format!("{file} is no glTF file (.gltf or .glb)")),
+    }
+}
+
+/// An error without the backtrace that Bevy's may carry.
+pub fn first_line(e: &impl ToString) -> String {
+    e.to_string().lines().next().unwrap_or_default().to_owned()
+}
+
+/// Makes an app. Where Bevy panics, as it does without a GPU or a display, the process ends with one line and code 2.
+pub fn make<T>(program: &'static str, app: impl FnOnce() -> T) -> T {
+    let before = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |panic| {
+        let message = panic.payload_as_str().and_then(|message| message.lines().next());
+        eprintln!("{program}: {}", message.unwrap_or("Bevy can't start here"));
+        std::process::exit(2);
+    }));
+    let made = app();
+    std::panic::set_hook(before);
+    made
+}
 
 /// What wgpu complained of.
 #[derive(Resource, Default)]
@@ -42,9 +82,15 @@ pub struct Stage {
 
 impl Stage {
     pub fn new() -> Self {
+        Self::with(WgpuSettings::default(), |_| {})
+    }
+
+    /// With other settings of the GPU, and more plugins.
+    pub fn with(settings: WgpuSettings, more: impl FnOnce(&mut App)) -> Self {
         let mut app = App::new();
-        plugins::add_to(&mut app, None);
+        plugins::add_to(&mut app, None, settings);
         app.add_plugins(DeferredAaPlugin);
+        more(&mut app);
         // The same moment in every frame and every run.
         app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f32(1.0 / 60.0)))
             .init_resource::<Complaints>()
@@ -84,18 +130,21 @@ impl Stage {
     }
 
     /// Runs until the camera is anti-aliased, and a few frames more, in which shadow maps and statistics settle.
-    pub fn run_until_active(&mut self, camera: Entity) {
+    pub fn run_until_active(&mut self, camera: Entity) -> Result<(), String> {
         let start = Instant::now();
         loop {
             self.run(1);
             match self.state(camera) {
                 DeferredAaState::Active => break,
-                DeferredAaState::Refused(e) => panic!("{e}"),
+                DeferredAaState::Refused(e) => return Err(e.to_string()),
                 DeferredAaState::Waiting => std::thread::sleep(Duration::from_millis(10)),
             }
-            assert!(start.elapsed() < Duration::from_secs(600), "no program after ten minutes");
+            if start.elapsed() > Duration::from_secs(600) {
+                return Err("nothing compiled in ten minutes".to_owned());
+            }
         }
         self.run(4);
+        Ok(())
     }
 
     pub fn state(&mut self, camera: Entity) -> DeferredAaState {
@@ -109,6 +158,7 @@ impl Stage {
 
     /// Loads a glTF file, spawns its first scene, and returns where a camera sees all of it.
     pub fn load(&mut self, file: &str) -> Result<Transform, String> {
+        check_scene(file)?;
         let path = std::fs::canonicalize(file).map_err(|e| format!("{file}: {e}"))?;
         let server = self.world().resource::<AssetServer>().clone();
         let path = bevy_gltf::GltfAssetLabel::Scene(0).from_asset(path);
@@ -119,7 +169,7 @@ impl Stage {
             self.run(1);
             match server.recursive_dependency_load_state(&scene) {
                 RecursiveDependencyLoadState::Loaded => break,
-                RecursiveDependencyLoadState::Failed(e) => return Err(format!("{file}: {e}")),
+                RecursiveDependencyLoadState::Failed(e) => return Err(format!("{file}: {}", first_line(&*e))),
                 _ if start.elapsed() > Duration::from_secs(120) => {
                     return Err(format!("{file} did not load in two minutes"));
                 }

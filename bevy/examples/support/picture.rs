@@ -70,7 +70,7 @@ impl Picture {
     pub fn strip(pictures: &[&Self], [x, y]: [f32; 2], [width, height]: [f32; 2], zoom: usize) -> Self {
         let [whole_width, whole_height] = pictures[0].size.map(|side| side as f32);
         let (x, y) = ((x * whole_width) as usize, (y * whole_height) as usize);
-        let [width, height] = [width * whole_width, height * whole_height].map(|side| side as usize);
+        let [width, height] = [width * whole_width, height * whole_height].map(|side| (side as usize).max(1));
         let gap = 4;
         let part = width * zoom + gap;
         let texel = |column: usize, row: usize| {
@@ -86,11 +86,11 @@ impl Picture {
     }
 
     /// Writes a PNG, as displayed.
-    pub fn write(&self, path: &Path) {
+    pub fn write(&self, path: &Path) -> Result<(), String> {
         let bytes = self.pixels.iter().flat_map(|p| p.map(|c| (displayed(c) * 255.0).round() as u8)).collect();
         let [width, height] = self.size.map(|side| side as u32);
         let image = image::RgbImage::from_raw(width, height, bytes).expect("a picture");
-        image.save(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+        image.save(path).map_err(|e| format!("{}: {e}", path.display()))
     }
 }
 

@@ -47,7 +47,7 @@ pub fn surroundings(world: &mut World) -> impl Bundle + Clone + use<> {
 /// Fills the world.
 pub fn spawn(world: &mut World) {
     let tiles = texture(world, 128, TextureFormat::Rgba8UnormSrgb, |u, v| {
-        let dark = ((u * 8.0) as u32 + (v * 8.0) as u32) % 2 == 0;
+        let dark = ((u * 8.0) as u32 + (v * 8.0) as u32).is_multiple_of(2);
         if dark { [60, 60, 66, 255] } else { [190, 180, 160, 255] }
     });
     let bumps = texture(world, 128, TextureFormat::Rgba8Unorm, |u, v| {
@@ -62,7 +62,7 @@ pub fn spawn(world: &mut World) {
     });
     let ground = Mesh::from(Plane3d::default().mesh().size(40.0, 40.0)).with_uvs_times(20.0).with_tangents();
     let cube = Mesh::from(Cuboid::new(1.0, 1.0, 1.0)).with_tangents();
-    let sphere = Mesh::from(Sphere::new(0.6).mesh().uv(48, 24)).with_tangents();
+    let sphere = Sphere::new(0.6).mesh().uv(48, 24).with_tangents();
     let torus = Mesh::from(Torus::new(0.25, 0.65)).with_tangents();
     let leaf = Mesh::from(Rectangle::new(1.6, 1.6)).with_tangents();
     let [ground, cube, sphere, torus, leaf] =
