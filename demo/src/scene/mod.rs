@@ -253,7 +253,7 @@ impl Default for Sky {
         Self {
             zenith: Vec3::new(0.25, 0.42, 0.8),
             horizon: Vec3::new(0.7, 0.8, 0.9),
-            ground: Vec3::new(0.25, 0.22, 0.2),
+            ground: Vec3::splat(0.224),
         }
     }
 }

@@ -75,11 +75,11 @@ impl Scene {
     }
 }
 
-/// A camera that sees all of `scene` from the front, the right and above, in any view at least as wide as high.
+/// A camera that sees all of `scene` from the front, somewhat from the right and above, in any view at least as wide as
+/// high. Of the height or width of a square view it fills [`FILLED`].
 pub fn frame_camera(scene: &Scene) -> Camera {
-    const FOV_Y: f32 = 50.0 / 180.0 * PI;
-    const FROM: Vec3 = Vec3::new(0.55, 0.4, 0.73);
-    const MARGIN: f32 = 1.05;
+    const FOV_Y: f32 = 40.0 / 180.0 * PI;
+    const FROM: Vec3 = Vec3::new(0.5, 0.28, 0.82);
     /// Beyond this, the camera's matrices would overflow.
     const MOST: Vec3 = Vec3::splat(1e15);
 
@@ -94,22 +94,57 @@ pub fn frame_camera(scene: &Scene) -> Camera {
     let back = FROM.normalize();
     let right = Vec3::Y.cross(back).normalize();
     let up = back.cross(right);
-    let slope = (FOV_Y / 2.0).tan();
-    let needed = |corner: Vec3| {
-        let from_centre = corner - centre;
-        let off_axis = from_centre.dot(right).abs().max(from_centre.dot(up).abs());
-        off_axis / slope + from_centre.dot(back)
+    let slope = (FOV_Y / 2.0).tan() * FILLED;
+    // From the middle, along the axes of the view.
+    let seen = |point: Vec3| {
+        let from_centre = point.clamp(-MOST, MOST) - centre;
+        Vec3::new(from_centre.dot(right), from_centre.dot(up), from_centre.dot(back))
     };
-    let distance = bounds.corners().into_iter().map(needed).fold(radius, f32::max) * MARGIN;
+    let placed = scene.instances.iter().flat_map(|instance| {
+        let positions = &scene.meshes[instance.mesh].positions;
+        positions.iter().map(|&p| instance.world_from_mesh.transform_point3(p))
+    });
+    let mut points: Vec<_> = placed.filter(|p| p.is_finite()).map(seen).collect();
+    if points.is_empty() {
+        points = bounds.corners().map(seen).to_vec();
+    }
+    // Two planes through the eye bound each axis. They move with it, so that the farthest point beyond them says how far
+    // back it has to be.
+    let beyond = |axis: usize, side: f32| points.iter().map(|p| side * p[axis] + slope * p.z).fold(f32::MIN, f32::max);
+    let back_for = |axis| (beyond(axis, 1.0) + beyond(axis, -1.0)) / (2.0 * slope);
+    let distance = f32::max(back_for(0), back_for(1)).max(radius);
+    let aside = right * middle(&points, 0, distance) + up * middle(&points, 1, distance);
+    let eye = centre + aside + back * distance;
     Camera {
-        eye: centre + back * distance,
-        target: centre,
+        eye,
+        // At the distance of the middle, around which one turns.
+        target: centre + aside,
         up: Vec3::Y,
         lens: Lens::Perspective { fov_y: FOV_Y },
         // Depth is as precise however near this is, and someone may look at a room in a large landscape.
         // The squares of shorter vectors to it would be lost.
         near: (radius * 1e-5).max(1e-14),
     }
+}
+
+/// How much of a square view a framed scene fills.
+const FILLED: f32 = 0.82;
+
+/// How far aside along an axis an eye at this distance is, from which the points reach as far to both sides.
+fn middle(points: &[Vec3], axis: usize, distance: f32) -> f32 {
+    let all = points.iter().map(|p| p[axis]);
+    let (mut least, mut most) = (all.clone().fold(f32::MAX, f32::min), all.fold(f32::MIN, f32::max));
+    for _ in 0..24 {
+        let aside = least.midpoint(most);
+        let slopes = points.iter().map(|p| (p[axis] - aside) / (distance - p.z).max(distance * 1e-3));
+        let (low, high) = slopes.fold((f32::MAX, f32::MIN), |(low, high), s| (low.min(s), high.max(s)));
+        if low + high > 0.0 {
+            least = aside;
+        } else {
+            most = aside;
+        }
+    }
+    least.midpoint(most)
 }
 
 #[cfg(test)]
@@ -140,14 +175,42 @@ mod tests {
             let view = camera.target - camera.eye;
             assert!(camera.eye.is_finite() && view.length() > 0.0 && camera.near > 0.0, "{size}: {camera:?}");
             if size <= 1e6 {
-                for corner in scene.bounds().unwrap().corners() {
-                    let angle = (corner - camera.eye).angle_between(view);
-                    assert!(angle < 50.0_f32.to_radians() / 2.0 * 1.42, "{size}: {angle}");
-                    assert!((corner - camera.eye).dot(view.normalize()) > camera.near, "{size}");
+                for point in &scene.meshes[0].positions {
+                    let from_eye = *point + Vec3::X - camera.eye;
+                    let angle = from_eye.angle_between(view);
+                    assert!(angle < 40.0_f32.to_radians() / 2.0 * 1.42, "{size}: {angle}");
+                    assert!(from_eye.dot(view.normalize()) > camera.near, "{size}");
                 }
             }
         }
         assert!(frame_camera(&Scene::default()).eye.is_finite());
+    }
+
+    /// Whatever its shape: not a box around it decides, but where its points are seen.
+    #[test]
+    fn a_framed_scene_fills_the_view() {
+        let ball =
+            |i: i32| Vec3::new((i as f32).sin(), (i as f32 * 0.7).cos() * 0.4, (i as f32 * 1.3).sin()).normalize();
+        for scale in [Vec3::ONE, Vec3::new(3.0, 0.1, 1.0), Vec3::new(0.2, 5.0, 0.2)] {
+            let scene = points((0..500).map(|i| ball(i) * scale).collect());
+            let camera = frame_camera(&scene);
+            let clip = |p: &Vec3| {
+                let view = (camera.target - camera.eye).normalize();
+                let right = view.cross(Vec3::Y).normalize();
+                let from_eye = *p + Vec3::X - camera.eye;
+                let depth = from_eye.dot(view) * 20f32.to_radians().tan();
+                [from_eye.dot(right) / depth, from_eye.dot(right.cross(view)) / depth]
+            };
+            let seen: Vec<_> = scene.meshes[0].positions.iter().map(clip).collect();
+            let sides = [0, 1].map(|axis| {
+                let values = seen.iter().map(|p| p[axis]);
+                let (least, most) = (values.clone().fold(f32::MAX, f32::min), values.fold(f32::MIN, f32::max));
+                assert!((least + most).abs() < 0.01, "{scale}: not in the middle, {least} to {most}");
+                most
+            });
+            let filled = sides[0].max(sides[1]);
+            assert!((filled - FILLED).abs() < 0.01, "{scale}: {sides:?}");
+        }
     }
 
     #[test]
@@ -159,7 +222,7 @@ mod tests {
             let camera = frame_camera(&scene);
             let bounds = scene.bounds().unwrap();
             let distance = camera.eye.distance(bounds.centre()) / bounds.radius();
-            assert!((2.0..4.5).contains(&distance), "{size} at {centre}: {distance} radii away");
+            assert!((1.0..4.5).contains(&distance), "{size} at {centre}: {distance} radii away");
             assert!(camera.near <= bounds.radius() * 1e-4, "{size} at {centre}: {}", camera.near);
         }
     }
