@@ -3,6 +3,7 @@
 use super::controls;
 use super::input::dialog::Dialog;
 use super::judge::{Case, Verdict};
+use super::picture::coarse_enough;
 use super::renderer::{Event, Lights, Opened, Source, View, Wanted, is_image};
 use super::report_process::Report;
 use super::state::{Comparison, Kept, Look, Side, Status};
@@ -33,8 +34,10 @@ pub struct Start {
     pub kept: Kept,
     /// The file where they are remembered.
     pub kept_at: Option<PathBuf>,
-    /// The picture is as large as its place in the window.
-    pub fill: bool,
+    /// Screen pixels along a side of a picture's pixel, where the picture matches the window's size.
+    pub fill: Option<u32>,
+    /// The most pixels of a picture that matches the window: [`fill`](Self::fill) is chosen by them.
+    pub most_pixels: Option<u32>,
 }
 
 /// The viewer.
@@ -55,8 +58,10 @@ pub struct App {
     pub camera: Option<Camera>,
     /// The options as wanted; the renderer may have others until it is done, or for good.
     pub options: Options,
-    /// The picture is as large as its place in the window.
-    pub fill: bool,
+    /// Screen pixels along a side of a picture's pixel, where the picture matches the window's size.
+    pub fill: Option<u32>,
+    /// Until the place is known, by which it is chosen.
+    most_pixels: Option<u32>,
     /// The size of that place, in pixels.
     pub place: [u32; 2],
     /// The lights.
@@ -77,7 +82,7 @@ pub struct App {
 impl App {
     /// Starts the renderer. Nothing is shown before [`ui`](Self::ui).
     pub fn new(ctx: &Context, start: Start) -> std::io::Result<Self> {
-        let Start { source, camera, options, adapter, kept, kept_at, fill } = start;
+        let Start { source, camera, options, adapter, kept, kept_at, fill, most_pixels } = start;
         let lights = kept.lights();
         let wanted = Wanted {
             scene: (source.clone(), 1),
@@ -109,6 +114,7 @@ impl App {
             camera: None,
             options,
             fill,
+            most_pixels,
             place: [options.width, options.height],
             lights,
             comparison: Comparison::default(),
@@ -188,7 +194,7 @@ impl App {
             Event::NotBuilt(options, why) => {
                 if self.options == options {
                     self.say(format!("not possible: {why}"));
-                    self.dialog = Some(Dialog::Trouble("The node can't be built so".to_owned(), why));
+                    self.dialog = Some(Dialog::Trouble("These settings can't run on this GPU".to_owned(), why));
                 }
             }
             Event::Failed(why) => {
@@ -233,16 +239,37 @@ impl App {
         self.look.alone.map_or(self.kept.split || side == self.edited, |alone| alone == side)
     }
 
-    /// Tells the renderer what is wanted, if that has changed.
-    pub fn sync(&mut self) {
-        let size = if self.fill { self.place } else { [self.options.width, self.options.height] };
-        self.options = Options { width: size[0].max(1), height: size[1].max(1), ..self.options };
-        let view = self.opened.as_ref().zip(self.camera).map(|(opened, camera)| View {
+    /// Whether what a side shows is not yet what is wanted.
+    pub fn is_stale(&self, side: usize) -> bool {
+        let seen = self.sides[side].rendered.as_ref().map(|r| &*r.view);
+        !self.shown_is_wanted(side) || seen != self.wanted_view().as_ref()
+    }
+
+    /// The picture has this place in the window, in pixels.
+    pub fn has_place(&mut self, place: [u32; 2]) {
+        self.place = place;
+        if let Some(most) = self.most_pixels.take() {
+            self.fill = Some(coarse_enough(place, most));
+        }
+    }
+
+    fn wanted_view(&self) -> Option<View> {
+        self.opened.as_ref().zip(self.camera).map(|(opened, camera)| View {
             opening: opened.opening,
             options: self.options,
             lights: self.lights,
             camera,
-        });
+        })
+    }
+
+    /// Tells the renderer what is wanted, if that has changed.
+    pub fn sync(&mut self) {
+        let size = match self.fill {
+            Some(coarse) => self.place.map(|side| side / coarse.max(1)),
+            None => [self.options.width, self.options.height],
+        };
+        self.options = Options { width: size[0].max(1), height: size[1].max(1), ..self.options };
+        let view = self.wanted_view();
         // Both are rendered where they can be flipped between.
         let wanted = |side: usize| {
             (self.kept.split || self.look.alone.is_some() || self.shows(side)).then_some(self.sides[side].settings)
@@ -280,7 +307,8 @@ impl App {
         self.kept.settings = [self.sides[0].settings, self.sides[1].settings];
         self.kept.m = self.options.m;
         self.kept.stall = self.lights.stall;
-        self.kept.size = (!self.fill).then_some([self.options.width, self.options.height]);
+        self.kept.fill = self.fill;
+        self.kept.size = self.fill.is_none().then_some([self.options.width, self.options.height]);
         if let Some(path) = self.kept_at.clone()
             && let Err(e) = self.kept.save(&path)
         {

@@ -148,7 +148,8 @@ mod tests {
             let ctx = Context::default();
             let options = Options::new(48, 27, 2);
             let source = Source { name: scene.to_owned(), index: None };
-            let start = Start { source, camera: None, options, adapter: None, kept, kept_at, fill: false };
+            let start =
+                Start { source, camera: None, options, adapter: None, kept, kept_at, fill: None, most_pixels: None };
             let app = App::new(&ctx, start).unwrap();
             Self {
                 ctx,
@@ -250,8 +251,10 @@ mod tests {
         rig.key(egui::Key::Space, Modifiers::NONE);
         assert_eq!(rig.app.look.alone, Some(0));
         rig.key(egui::Key::B, Modifiers::NONE);
-        rig.key(egui::Key::B, Modifiers::NONE);
         assert!(rig.app.shows(0) && rig.app.shows(1));
+        rig.key(egui::Key::B, Modifiers::NONE);
+        assert!(rig.app.shows(0) && !rig.app.shows(1));
+        rig.key(egui::Key::B, Modifiers::NONE);
         rig.key(egui::Key::CloseBracket, Modifiers::NONE);
         assert!((rig.app.kept.divider - 0.52).abs() < 1e-6);
         // A setting, undone and done again.

@@ -87,19 +87,20 @@ pub fn report() -> Dialog {
 }
 
 /// What keys do.
-const KEYS: [(&str, &str); 20] = [
+const KEYS: [(&str, &str); 21] = [
     ("W A S D, Q E", "fly; with Shift faster"),
     ("drag on the picture", "look around"),
     ("wheel", "fly ahead and back; with Ctrl narrow or widen the view"),
     ("Home", "the scene's own view"),
-    ("F", "freeze the camera"),
+    ("L", "lock the camera"),
     ("Space", "flip between the sides"),
     ("B", "both sides with a divider, or one"),
     ("[ ]", "move the divider"),
     ("arrows, right drag", "move a picture that is larger than its place"),
     ("Z", "magnifier"),
     ("X", "where the picture is wrong"),
-    ("P", "without the panels, or with them"),
+    ("P", "without the panel, or with it"),
+    ("T", "without the buttons over the picture, or with them"),
     ("1 2 3", "image, samples, what decided them"),
     ("Ctrl+O", "open a scene"),
     ("Ctrl+S", "save the settings"),

@@ -3,7 +3,7 @@
 use super::dialog::{self, Dialog};
 use super::fly;
 use crate::view::app::App;
-use deferred_aa::{DebugView, Settings};
+use deferred_aa::DebugView;
 use egui::{Context, Key, Modifiers, Ui};
 use glam::Vec3;
 
@@ -41,14 +41,10 @@ impl App {
             return;
         }
         if pressed(Modifiers::NONE, Key::Space) {
-            self.look.alone = match self.look.alone {
-                Some(side) => Some(1 - side),
-                None => Some(1 - self.edited),
-            };
+            self.flip();
         }
         if pressed(Modifiers::NONE, Key::B) {
-            self.look.alone = None;
-            self.kept.split = !self.kept.split;
+            self.toggle_split();
         }
         for (key, by) in [(Key::OpenBracket, -0.02), (Key::CloseBracket, 0.02)] {
             if pressed(Modifiers::NONE, key) {
@@ -66,7 +62,8 @@ impl App {
             }
         }
         let switches = [
-            (Key::F, &mut self.look.frozen),
+            (Key::L, &mut self.look.frozen),
+            (Key::T, &mut self.look.buttons),
             (Key::Z, &mut self.look.magnify),
             (Key::X, &mut self.look.show_error),
             (Key::P, &mut self.look.panels),
@@ -80,8 +77,7 @@ impl App {
             [(Key::Num1, DebugView::Image), (Key::Num2, DebugView::Count), (Key::Num3, DebugView::Decided)]
         {
             if pressed(Modifiers::NONE, key) {
-                let settings = Settings { view, ..self.sides[self.edited].settings };
-                self.sides[self.edited].set(settings, "view");
+                self.show_view(view);
             }
         }
         if pressed(Modifiers::NONE, Key::Home) {

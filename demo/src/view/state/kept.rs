@@ -11,7 +11,7 @@ const VERSION: u32 = 1;
 
 /// All that is remembered.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(default, deny_unknown_fields)]
 pub struct Kept {
     version: u32,
     /// Size of the window, in points.
@@ -20,8 +20,10 @@ pub struct Kept {
     pub zoom: f32,
     /// Whether the theme is dark; if not given, it is that of the system.
     pub dark: Option<bool>,
-    /// Pixels of the picture; if not given, it is as large as its place in the window.
+    /// Pixels of the picture; if not given, it matches the window's size.
     pub size: Option<[u32; 2]>,
+    /// Screen pixels along a side of a picture's pixel, where the picture matches the window's size.
+    pub fill: Option<u32>,
     /// Samples along one side of a window.
     pub m: u32,
     /// The settings of the sides.
@@ -45,6 +47,7 @@ impl Default for Kept {
             zoom: 1.0,
             dark: None,
             size: None,
+            fill: None,
             m: 4,
             settings: [Settings::default(), single],
             split: true,
@@ -84,6 +87,7 @@ impl Kept {
             && (0.0..=1.0).contains(&self.divider)
             && self.window.iter().all(|side| (100.0..=20_000.0).contains(side))
             && sizes.iter().all(|side| (1..=16_384).contains(side))
+            && self.fill.is_none_or(|coarse| (1..=8).contains(&coarse))
             && self.stall >= 1;
         if sound { Ok(self) } else { Err("holds a value that is out of range".to_owned()) }
     }

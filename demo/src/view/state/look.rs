@@ -6,8 +6,10 @@ pub struct Look {
     pub alone: Option<usize>,
     /// No key and no drag moves the camera.
     pub frozen: bool,
-    /// Controls and costs are shown.
+    /// The controls and the plot are shown.
     pub panels: bool,
+    /// The buttons over the picture are shown.
+    pub buttons: bool,
     /// Where a picture is wrong is shown in place of it.
     pub show_error: bool,
     /// What is around the pointer is magnified.
@@ -24,6 +26,7 @@ impl Default for Look {
             alone: None,
             frozen: false,
             panels: true,
+            buttons: true,
             show_error: false,
             magnify: false,
             scale: None,

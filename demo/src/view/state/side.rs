@@ -6,7 +6,7 @@ use crate::measure::stats::{Spread, times};
 use crate::view::judge::Verdict;
 use crate::view::renderer::{Rendered, View, is_image};
 use deferred_aa::{Preset, Settings};
-use egui::{ColorImage, Context, TextureHandle, TextureOptions};
+use egui::{ColorImage, Context, TextureFilter, TextureHandle, TextureOptions};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -150,8 +150,8 @@ impl Side {
 }
 
 fn set_texture(texture: &mut Option<TextureHandle>, ctx: &Context, name: &str, image: ColorImage) {
-    // Pixels are to be seen as they are.
-    let options = TextureOptions::NEAREST;
+    // Pixels are to be seen as they are, and where several share one of the screen, so is their mean.
+    let options = TextureOptions { minification: TextureFilter::Linear, ..TextureOptions::NEAREST };
     match texture {
         Some(texture) => texture.set(image, options),
         None => *texture = Some(ctx.load_texture(name, image, options)),
