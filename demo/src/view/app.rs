@@ -4,7 +4,7 @@ use super::controls;
 use super::input::dialog::Dialog;
 use super::judge::{Case, Verdict};
 use super::picture::coarse_enough;
-use super::renderer::{Event, Lights, Opened, Source, View, Wanted, is_image};
+use super::renderer::{Event, Lights, Opened, Source, View, Wanted};
 use super::report_process::Report;
 use super::state::{Comparison, Kept, Look, Side, Status};
 use super::threads::Threads;
@@ -105,7 +105,7 @@ impl App {
         Ok(Self {
             threads,
             kept_at,
-            sides: kept.settings.map(Side::new),
+            sides: kept.recipes().map(Side::new),
             kept,
             edited: 0,
             source: (source, 1),
@@ -133,6 +133,11 @@ impl App {
 
     /// Takes what the renderer and the judge have said.
     pub fn receive(&mut self, ctx: &Context) {
+        for (side, name) in self.sides.iter_mut().zip(["left", "right"]) {
+            if side.painted != self.look.tone {
+                side.paint(ctx, name, self.look.tone);
+            }
+        }
         while let Some(event) = self.threads.event() {
             self.heard(ctx, event);
         }
@@ -155,6 +160,7 @@ impl App {
                 self.lights.sun = None;
                 self.comparison.reference = None;
                 self.say(format!("opened {} on {}", opened.source.name, opened.adapter.name));
+                self.kept.remember(&opened.source.name);
                 self.opened = Some(*opened);
             }
             Event::NotOpened(opening, why) => {
@@ -166,19 +172,20 @@ impl App {
                 self.dialog = Some(Dialog::Trouble("The scene could not be opened".to_owned(), why));
             }
             Event::Picture(side, rendered) => {
-                let settings = rendered.settings;
-                self.sides[side].show(ctx, ["left", "right"][side], rendered);
-                if is_image(&settings) {
+                let recipe = rendered.recipe;
+                self.sides[side].show(ctx, ["left", "right"][side], self.look.tone, rendered);
+                if recipe.is_image() {
                     self.hold_against(side);
                 }
             }
-            Event::Measured(side, view, settings, shot) => {
-                self.sides[side].measured(&view, &settings, shot);
+            Event::Measured(side, view, recipe, shot) => {
+                self.sides[side].measured(&view, &recipe, shot);
                 self.try_point(side);
             }
-            Event::Sent(side, view, settings, sent) => self.sides[side].counted(&view, &settings, sent),
-            Event::Refused(side, settings, why) => {
-                if self.sides[side].settings == settings {
+            Event::Sent(side, view, recipe, sent) => self.sides[side].counted(&view, &recipe, sent),
+            Event::Full(view, shot) => self.comparison.measured_full(&view, shot),
+            Event::Refused(side, recipe, why) => {
+                if self.sides[side].recipe == recipe {
                     self.sides[side].refused = Some(why.clone());
                 }
                 self.say(format!("{}: {why}", ["left", "right"][side]));
@@ -206,7 +213,7 @@ impl App {
 
     /// Sends a side's picture to the judge, if the reference is of the same view.
     fn hold_against(&mut self, side: usize) {
-        let Some(rendered) = self.sides[side].rendered.as_deref().filter(|r| is_image(&r.settings)) else { return };
+        let Some(rendered) = self.sides[side].rendered.as_deref().filter(|r| r.recipe.is_image()) else { return };
         if let Some(reference) = self.comparison.reference_of(&rendered.view) {
             self.threads.judge.measure(Case { side, picture: rendered.picture.clone(), reference });
         }
@@ -231,7 +238,7 @@ impl App {
     /// Whether a side's picture is what its settings give, or was refused.
     pub fn shown_is_wanted(&self, side: usize) -> bool {
         let s = &self.sides[side];
-        s.refused.is_some() || s.rendered.as_ref().is_some_and(|r| r.settings == s.settings)
+        s.refused.is_some() || s.rendered.as_ref().is_some_and(|r| r.recipe == s.recipe)
     }
 
     /// Whether a side is to be seen.
@@ -270,9 +277,10 @@ impl App {
         };
         self.options = Options { width: size[0].max(1), height: size[1].max(1), ..self.options };
         let view = self.wanted_view();
+        self.comparison.look_at(view.as_ref(), self.kept.reference);
         // Both are rendered where they can be flipped between.
         let wanted = |side: usize| {
-            (self.kept.split || self.look.alone.is_some() || self.shows(side)).then_some(self.sides[side].settings)
+            (self.kept.split || self.look.alone.is_some() || self.shows(side)).then_some(self.sides[side].recipe)
         };
         let next = Wanted {
             scene: self.source.clone(),
@@ -304,7 +312,8 @@ impl App {
 
     /// Remembers.
     pub fn save(&mut self) {
-        self.kept.settings = [self.sides[0].settings, self.sides[1].settings];
+        self.kept.settings = [0, 1].map(|side| self.sides[side].recipe.settings);
+        self.kept.makers = [0, 1].map(|side| self.sides[side].recipe.maker);
         self.kept.m = self.options.m;
         self.kept.stall = self.lights.stall;
         self.kept.fill = self.fill;
@@ -318,7 +327,7 @@ impl App {
 
     /// Sets one control of a side, as its widget does. An error says what the library has against it.
     pub fn set(&mut self, side: usize, path: &str, value: serde_json::Value) -> Result<(), String> {
-        let settings = controls::with(&self.sides[side].settings, path, value)?;
+        let settings = controls::with(&self.sides[side].recipe.settings, path, value)?;
         self.sides[side].set(settings, path);
         Ok(())
     }

@@ -14,6 +14,8 @@ mod renderer;
 mod report_process;
 mod rust_source;
 mod state;
+#[cfg(test)]
+mod tests;
 mod threads;
 mod tour;
 mod window;

@@ -19,7 +19,7 @@ impl App {
             Answer::Closed => {}
             Answer::Open(name) => self.open(&name),
             Answer::SaveSettings(path) => {
-                let saved = settings_file::save(&path, &self.sides[self.edited].settings);
+                let saved = settings_file::save(&path, &self.sides[self.edited].recipe.settings);
                 self.said(saved.map(|()| format!("saved {}", path.display())));
             }
             Answer::LoadSettings(path) => match settings_file::load(&path) {

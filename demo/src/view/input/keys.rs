@@ -64,6 +64,7 @@ impl App {
         let switches = [
             (Key::L, &mut self.look.frozen),
             (Key::T, &mut self.look.buttons),
+            (Key::O, &mut self.look.orbit),
             (Key::Z, &mut self.look.magnify),
             (Key::X, &mut self.look.show_error),
             (Key::P, &mut self.look.panels),
@@ -79,6 +80,9 @@ impl App {
             if pressed(Modifiers::NONE, key) {
                 self.show_view(view);
             }
+        }
+        if pressed(Modifiers::NONE, Key::F) {
+            self.frame_object(ctx.pointer_hover_pos());
         }
         if pressed(Modifiers::NONE, Key::Home) {
             self.camera = self.opened.as_ref().and_then(|opened| opened.cameras.first().copied());
@@ -97,7 +101,7 @@ impl App {
             if plain { way * seconds * if i.modifiers.shift { 4.0 } else { 1.0 } } else { Vec3::ZERO }
         });
         if way != Vec3::ZERO {
-            self.camera = Some(fly::moved(camera, way * opened.radius * 0.25));
+            self.camera = Some(fly::moved(camera, way * opened.radius() * 0.25));
             ctx.request_repaint();
         }
     }

@@ -11,6 +11,17 @@ impl App {
             if ui.button("Open…").on_hover_text("Opens a scene: Ctrl+O, or drop a file").clicked() {
                 self.dialog = Some(dialog::open(self.scene_name()));
             }
+            let recent = self.kept.recent.clone();
+            ui.add_enabled_ui(recent.len() > 1, |ui| {
+                ui.menu_button("Recent", |ui| {
+                    for name in &recent {
+                        if ui.button(short(name)).on_hover_text(name).clicked() {
+                            self.open(name);
+                            ui.close();
+                        }
+                    }
+                });
+            });
             ui.menu_button("Settings", |ui| self.settings_menu(ui));
             if ui.button("Save image…").clicked() {
                 self.dialog = Some(dialog::save_image());
@@ -55,9 +66,17 @@ impl App {
             ui.close();
         }
         if ui.button("Copy as Rust").clicked() {
-            ui.ctx().copy_text(rust_source::of(&self.sides[self.edited].settings));
+            ui.ctx().copy_text(rust_source::of(&self.sides[self.edited].recipe.settings));
             self.say("the settings are in the clipboard, as Rust");
             ui.close();
         }
     }
+}
+
+/// The end of a long path.
+fn short(name: &str) -> String {
+    const MOST: usize = 40;
+    let skipped = name.chars().count().saturating_sub(MOST);
+    let end: String = name.chars().skip(skipped).collect();
+    if skipped > 0 { format!("…{end}") } else { end }
 }

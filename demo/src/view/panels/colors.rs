@@ -1,18 +1,22 @@
 //! Colours that always stand for the same thing, whatever else is shown.
 
+use super::super::renderer::{Maker, Recipe};
 use deferred_aa::{PassKind, Technique};
 use egui::Color32;
 
-/// The colour of a technique in the plot.
-pub fn technique_color(technique: Technique) -> Color32 {
-    let [r, g, b] = match technique {
-        Technique::Full => [225, 87, 89],
-        Technique::Single => [160, 122, 98],
-        Technique::Windowed => [78, 150, 222],
-        Technique::Reconstructed => [178, 124, 190],
-        Technique::Selective => [72, 172, 92],
-        Technique::MultiResolution => [240, 142, 44],
-        Technique::Surfaces => [208, 172, 30],
+/// The colour of a recipe's kind in the plot.
+pub fn recipe_color(recipe: &Recipe) -> Color32 {
+    let [r, g, b] = match (recipe.maker, recipe.settings.technique) {
+        (Maker::Node, Technique::Full) => [225, 87, 89],
+        (Maker::Node, Technique::Single) => [160, 122, 98],
+        (Maker::Node, Technique::Windowed) => [78, 150, 222],
+        (Maker::Node, Technique::Reconstructed) => [178, 124, 190],
+        (Maker::Node, Technique::Selective) => [72, 172, 92],
+        (Maker::Node, Technique::MultiResolution) => [240, 142, 44],
+        (Maker::Node, Technique::Surfaces) => [208, 172, 30],
+        (Maker::Fxaa, _) => [60, 180, 180],
+        (Maker::Smaa, _) => [240, 130, 170],
+        (Maker::Reference, _) => [140, 140, 140],
     };
     Color32::from_rgb(r, g, b)
 }

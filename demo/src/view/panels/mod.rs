@@ -12,7 +12,8 @@ mod quality;
 mod row;
 mod settings;
 
-pub use names::{decibels, technique};
+pub use names::decibels;
+pub use row::labelled;
 
 use super::app::App;
 use egui::{CollapsingHeader, ScrollArea, Ui};

@@ -1,15 +1,20 @@
 //! Names and numbers as they are written on the screen.
 
+use super::super::renderer::{Maker, Recipe};
 use crate::measure::quality::IDENTICAL_DB;
-use deferred_aa::{Settings, Technique};
+use deferred_aa::Technique;
 
-/// The technique's name.
-pub fn technique(settings: &Settings) -> String {
-    format!("{:?}", settings.technique)
+/// What a recipe's kind does, in a line.
+pub fn about(recipe: &Recipe) -> &'static str {
+    match recipe.maker {
+        Maker::Node => technique(recipe.settings.technique),
+        Maker::Fxaa => "FXAA 3.11: blurs the edges that it finds in the finished picture of one sample a pixel",
+        Maker::Smaa => "SMAA 1x: finds the shapes of edges in the finished picture of one sample a pixel",
+        Maker::Reference => "what errors are measured against: see Accuracy",
+    }
 }
 
-/// What a technique does, in a line.
-pub fn about(technique: Technique) -> &'static str {
+fn technique(technique: Technique) -> &'static str {
     match technique {
         Technique::Full => "shades every sample",
         Technique::Single => "shades one sample a pixel: plain deferred shading",

@@ -1,81 +1,85 @@
 //! The plot of error against time, docked in sight: a point for everything that is tried.
 
 use super::super::app::App;
+use super::super::renderer::Recipe;
 use super::super::state::Tried;
-use super::colors::technique_color;
-use super::names::technique;
+use super::colors::recipe_color;
 use crate::measure::quality::IDENTICAL_DB;
-use deferred_aa::Technique;
 use egui::{Color32, RichText, Sense, Ui, vec2};
 use egui_plot::{Line, Plot, PlotPoint, PlotPoints, Points};
 
 impl App {
     pub(super) fn frontier(&mut self, ui: &mut Ui) {
-        let shown: Vec<&Tried> = self.comparison.tried.iter().filter(|t| t.db < IDENTICAL_DB).collect();
-        let techniques: Vec<Technique> =
-            Technique::ALL.into_iter().filter(|of| shown.iter().any(|t| t.settings.technique == *of)).collect();
-        legend(ui, &techniques);
+        let comparison = &self.comparison;
+        let shown: Vec<&Tried> =
+            comparison.tried.iter().filter(|t| t.db < IDENTICAL_DB && comparison.is_of_scene(t)).collect();
+        let (present, past): (Vec<&Tried>, Vec<&Tried>) = shown.iter().partition(|t| comparison.is_present(t));
+        let kinds: Vec<Recipe> =
+            Recipe::kinds().filter(|kind| present.iter().any(|t| t.recipe.name() == kind.name())).collect();
+        legend(ui, &kinds, !past.is_empty());
         let at = |t: &Tried| [t.ms, t.db];
-        let present: Vec<[f64; 2]> = (0..2)
+        let rings: Vec<[f64; 2]> = (0..2)
             .filter_map(|side| {
                 let rendered = self.sides[side].rendered.as_ref()?;
-                shown.iter().find(|t| t.settings == rendered.settings && t.m == rendered.view.options.m).map(|t| at(t))
+                present.iter().find(|t| t.recipe == rendered.recipe && t.m == rendered.view.options.m).map(|t| at(t))
             })
             .collect();
-        let line: Vec<[f64; 2]> = frontier(&shown).iter().map(|t| at(t)).collect();
+        let line: Vec<[f64; 2]> = frontier(&present).iter().map(|t| at(t)).collect();
         let ring = ui.visuals().strong_text_color();
+        let grey = ui.visuals().weak_text_color().gamma_multiply(0.6);
         // It always shows all of its points: neither the wheel nor a drag moves it.
         let plot = Plot::new("frontier").height(ui.available_height()).include_x(0.0).auto_bounds(true);
         let plot = plot.allow_drag(false).allow_zoom(false).allow_scroll(false).allow_boxed_zoom(false);
         let plot = plot.allow_axis_zoom_drag(false).allow_double_click_reset(false).show_crosshair(false);
         let plot = plot.set_margin_fraction(vec2(0.08, 0.12)).label_formatter(|_| None);
         let response = plot.show(ui, |plot| {
+            let past: Vec<_> = past.iter().map(|t| at(t)).collect();
+            plot.points(Points::new("past", PlotPoints::from(past)).radius(3.0).color(grey).allow_hover(false));
             plot.line(Line::new("frontier", PlotPoints::from(line)).color(Color32::GRAY).allow_hover(false));
-            for of in techniques {
-                let points: Vec<_> = shown.iter().filter(|t| t.settings.technique == of).map(|t| at(t)).collect();
-                let points = Points::new(format!("{of:?}"), PlotPoints::from(points));
-                plot.points(points.radius(4.0).color(technique_color(of)).allow_hover(false));
+            for kind in kinds {
+                let name = kind.name();
+                let points: Vec<_> = present.iter().filter(|t| t.recipe.name() == name).map(|t| at(t)).collect();
+                let points = Points::new(name, PlotPoints::from(points));
+                plot.points(points.radius(4.0).color(recipe_color(&kind)).allow_hover(false));
             }
-            let present = Points::new("shown", PlotPoints::from(present));
-            plot.points(present.radius(7.0).filled(false).color(ring).allow_hover(false));
+            let rings = Points::new("shown", PlotPoints::from(rings));
+            plot.points(rings.radius(7.0).filled(false).color(ring).allow_hover(false));
             plot.pointer_coordinate().map(|p| (p, plot.plot_bounds()))
         });
         let Some((pointer, bounds)) = response.inner.filter(|_| response.response.hovered()) else { return };
         let near = nearest(&shown, pointer, [bounds.width(), bounds.height()]).map(|t| (*t).clone());
         let Some(near) = near else { return };
-        let text = format!(
-            "{} at m = {}: {:.2} dB, FLIP {:.4}, {:.2} ms, k {:.2}",
-            technique(&near.settings),
-            near.m,
-            near.db,
-            near.flip,
-            near.ms,
-            near.mean_k
-        );
+        let Tried { m, db, flip, ms, mean_k, .. } = near;
+        let elsewhere = if self.comparison.is_present(&near) { "" } else { ", in another view" };
+        let name = near.recipe.name();
+        let text = format!("{name} at m = {m}{elsewhere}: {db:.2} dB, FLIP {flip:.4}, {ms:.2} ms, k {mean_k:.2}");
         let clicked = response.response.clicked();
         response.response.on_hover_text_at_pointer(text);
         if clicked {
             self.options.m = near.m;
-            self.sides[self.edited].set(near.settings, "point");
+            self.sides[self.edited].take(near.recipe, "point");
         }
     }
 }
 
-/// The title, and the colour of each technique.
-fn legend(ui: &mut Ui, techniques: &[Technique]) {
-    let title = ui.label(RichText::new("PSNR, dB, against the node's time, ms").small());
+/// The title, and the colour of each kind.
+fn legend(ui: &mut Ui, kinds: &[Recipe], has_past: bool) {
+    let font = 11.0;
+    let title = ui.label(RichText::new("PSNR, dB, against the node's time, ms").size(font));
     title.on_hover_text(
         "Every setting that you try is a point; the line joins those that no other beats. Point at one to read it, \
-         click it to go back to its settings. A ring: what is shown.",
+         click it to go back to its settings. A ring: what is shown. Grey: points of other views, or of another \
+         reference; they count again in their own.",
     );
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 8.0;
-        for &of in techniques {
+        let grey = has_past.then(|| ("other views".to_owned(), ui.visuals().weak_text_color()));
+        for (name, color) in kinds.iter().map(|kind| (kind.name(), recipe_color(kind))).chain(grey) {
             ui.horizontal(|ui| {
                 ui.spacing_mut().item_spacing.x = 3.0;
                 let (swatch, _) = ui.allocate_exact_size(vec2(8.0, 8.0), Sense::hover());
-                ui.painter().circle_filled(swatch.center(), 4.0, technique_color(of));
-                ui.label(RichText::new(format!("{of:?}")).small());
+                ui.painter().circle_filled(swatch.center(), 4.0, color);
+                ui.label(RichText::new(name).size(font));
             });
         }
     });
@@ -103,11 +107,10 @@ fn nearest<'a>(tried: &[&'a Tried], pointer: PlotPoint, [width, height]: [f64; 2
 #[cfg(test)]
 mod tests {
     use super::*;
-    use deferred_aa::Settings;
 
     #[test]
     fn the_frontier_is_what_nothing_beats() {
-        let tried = |ms: f64, db: f64| Tried { settings: Settings::default(), m: 4, ms, db, flip: 0.0, mean_k: 1.0 };
+        let tried = |ms: f64, db: f64| Tried::made(ms, db);
         let all = [
             tried(5.0, 40.0),
             tried(1.0, 30.0),

@@ -1,9 +1,10 @@
 //! Rows of the panel: names in one column, where they wrap, and controls in the other.
 
 use super::super::controls::{self, Control, Kind};
+use super::super::renderer::{Maker, Recipe};
 use super::names::about;
-use deferred_aa::{SettingScale, Technique};
-use egui::{ComboBox, DragValue, Label, Response, RichText, Slider, SliderClamping, Ui};
+use deferred_aa::{SettingRange, SettingScale, Settings};
+use egui::{ComboBox, DragValue, Label, RectAlign, Response, RichText, Slider, SliderClamping, Tooltip, Ui};
 use serde_json::{Value, json};
 
 /// Width of what puts a setting back to its default, in points.
@@ -58,7 +59,7 @@ pub fn setting(
         labelled(ui, if switch { "" } else { &control.label }, |ui| {
             let spare = RESET + ui.spacing().item_spacing.x;
             let response = match &control.kind {
-                Kind::Slider(range) => number(ui, *range, now, spare, &mut new),
+                Kind::Slider(range) => number(ui, range, [now, default], spare, &mut new),
                 Kind::Switch => {
                     let mut on = now.as_bool().unwrap_or_default();
                     let response = ui.checkbox(&mut on, &control.label);
@@ -70,14 +71,34 @@ pub fn setting(
                 Kind::Choice(choices) => choice(ui, control, choices, now, spare, &mut new),
                 Kind::Goal => goal(ui, control, now, has_timestamps, &mut new),
             };
-            let doc = format!("{}\n\n{}", control.doc, control.path);
-            response.on_hover_text(doc).on_disabled_hover_text(reason.unwrap_or_default());
+            let range = match &control.kind {
+                Kind::Slider(range) => limits(range, default),
+                _ => String::new(),
+            };
+            beside(&response, &format!("{}\n\n{range}{}", control.doc, control.path), reason.unwrap_or_default());
             if now != default && reset(ui, default) {
                 new = Some(default.clone());
             }
         });
     });
     new
+}
+
+/// Shows a hint at the side of a control, where it covers none of the next ones: `off` where it is disabled.
+fn beside(response: &Response, on: &str, off: &str) {
+    let (mut hint, text) =
+        if response.enabled() { (Tooltip::for_enabled(response), on) } else { (Tooltip::for_disabled(response), off) };
+    hint.popup = hint.popup.align(RectAlign::RIGHT_START);
+    hint.width(360.0).show(|ui| ui.label(text));
+}
+
+/// What the slider spans, if more can be typed.
+fn limits(range: &SettingRange, default: &Value) -> String {
+    let (soft, most) = (controls::useful(range, default.as_f64().unwrap_or_default()), f64::from(range.most));
+    if *soft.end() >= most {
+        return String::new();
+    }
+    format!("The slider goes up to {}; up to {} can be typed.\n\n", soft.end(), most)
 }
 
 /// Whether the way back to the default was taken.
@@ -105,26 +126,40 @@ fn choice(
     })
 }
 
-/// The list of techniques, each with what it does. Returns the one that was chosen.
-pub fn techniques(ui: &mut Ui, chosen: Technique, doc: &str) -> Option<Technique> {
+/// The list of techniques, and of what else may make a picture, each with what it does. Returns the recipe with the one
+/// that was chosen.
+pub fn kinds(ui: &mut Ui, chosen: &Recipe, doc: &str) -> Option<Recipe> {
     let mut new = None;
-    let shown = list(ui, "technique", format!("{chosen:?}"), 0.0, |ui| {
-        for technique in Technique::ALL {
-            let text = format!("{technique:?}");
-            if ui.selectable_label(technique == chosen, RichText::new(text).strong()).clicked() {
-                new = Some(technique);
+    let shown = list(ui, "technique", chosen.name(), 0.0, |ui| {
+        ui.set_min_width(220.0);
+        for kind in Recipe::kinds() {
+            let is_chosen = kind.name() == chosen.name();
+            if ui.selectable_label(is_chosen, RichText::new(kind.name()).strong()).clicked() {
+                let technique = if kind.maker == Maker::Node { kind } else { *chosen }.settings.technique;
+                new = Some(Recipe { maker: kind.maker, settings: Settings { technique, ..chosen.settings } });
             }
-            ui.add(Label::new(RichText::new(about(technique)).small().weak()).wrap());
+            ui.add(Label::new(RichText::new(about(&kind)).small().weak()).wrap());
         }
     });
-    shown.on_hover_text(format!("{}: {}.\n\n{doc}", format_args!("{chosen:?}"), about(chosen)));
+    beside(&shown, &format!("{}: {}.\n\n{doc}", chosen.name(), about(chosen)), "");
     new
 }
 
-fn number(ui: &mut Ui, range: deferred_aa::SettingRange, now: &Value, spare: f32, new: &mut Option<Value>) -> Response {
+fn number(
+    ui: &mut Ui,
+    range: &SettingRange,
+    [now, default]: [&Value; 2],
+    spare: f32,
+    new: &mut Option<Value>,
+) -> Response {
     let whole = range.scale == SettingScale::Whole;
+    let (least, most) = (f64::from(range.least), f64::from(range.most));
+    let useful = controls::useful(range, default.as_f64().unwrap_or_default());
+    // A step to the smallest value above 0 is one of many.
+    let smallest = (useful.end() * 1e-5).max(1e-4);
     let get_set = |value: Option<f64>| {
         if let Some(value) = value {
+            let value = value.clamp(least, most);
             // As an f32 prints, so that files and tooltips read well.
             *new = Some(if whole { json!(value.round() as i64) } else { shortest(value as f32) });
             return value;
@@ -135,10 +170,10 @@ fn number(ui: &mut Ui, range: deferred_aa::SettingRange, now: &Value, spare: f32
             .as_f64()
             .map_or(0.0, |v| if whole { v } else { shortest(v as f32).as_f64().unwrap_or(v) })
     };
-    let mut widget = Slider::from_get_set(f64::from(range.least)..=f64::from(range.most), get_set)
-        .clamping(SliderClamping::Edits)
+    let mut widget = Slider::from_get_set(useful, get_set)
+        .clamping(SliderClamping::Never)
         .logarithmic(range.scale == SettingScale::Logarithmic)
-        .smallest_positive(1e-4)
+        .smallest_positive(smallest)
         .max_decimals(7);
     if whole {
         widget = widget.integer();

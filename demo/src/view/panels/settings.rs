@@ -3,8 +3,9 @@
 
 use super::super::app::App;
 use super::super::controls::{self, Control};
+use super::super::renderer::{Maker, Recipe, Reference};
 use super::super::state::Side;
-use super::names::technique;
+use super::names::about;
 use super::row;
 use deferred_aa::{Preset, Settings, Technique};
 use egui::{CollapsingHeader, Slider, Ui};
@@ -19,13 +20,18 @@ impl App {
         if let Some(why) = &self.sides[self.edited].refused {
             ui.colored_label(ui.visuals().error_fg_color, why);
         }
-        let chosen = self.sides[self.edited].settings.technique;
+        let chosen = self.sides[self.edited].recipe;
         let doc = controls::all().iter().find(|c| c.path == "technique").map_or("", |c| &c.doc);
-        if let Some(technique) = row::labelled(ui, "technique", |ui| row::techniques(ui, chosen, doc)) {
-            let settings = Settings { technique, ..self.sides[self.edited].settings };
-            self.sides[self.edited].set(settings, "technique");
+        if let Some(recipe) = row::labelled(ui, "technique", |ui| row::kinds(ui, &chosen, doc)) {
+            if recipe.maker == Maker::Reference && self.kept.reference == Reference::Off {
+                self.kept.reference = Reference::default();
+            }
+            self.sides[self.edited].take(recipe, "technique");
         }
-        self.presets(ui);
+        let of_node = chosen.maker == Maker::Node;
+        if of_node {
+            self.presets(ui);
+        }
         row::labelled(ui, "m", |ui| {
             let slider = row::slider(ui, Slider::new(&mut self.options.m, 1..=8), 0.0);
             slider.on_hover_text(
@@ -33,13 +39,17 @@ impl App {
                  memory and raster time grow with m². Both sides have the same. Changing it compiles anew.",
             );
         });
-        self.setting_rows(ui, |control| control.path == "goal");
+        if of_node {
+            self.setting_rows(ui, |control| control.path == "goal");
+        } else {
+            ui.weak(about(&chosen));
+        }
     }
 
     fn sides_row(&mut self, ui: &mut Ui) {
         ui.horizontal_wrapped(|ui| {
             for (side, name) in [(0, "Left"), (1, "Right")] {
-                let title = format!("{name}: {}", technique(&self.sides[side].settings));
+                let title = format!("{name}: {}", self.sides[side].recipe.name());
                 let label = ui.selectable_label(self.edited == side, title);
                 if label.on_hover_text("The controls below are those of this side").clicked() {
                     self.edited = side;
@@ -56,24 +66,29 @@ impl App {
             }
             if ui.button("Reset").on_hover_text("All settings of this side but the technique, as by default").clicked()
             {
-                let technique = self.sides[self.edited].settings.technique;
+                let technique = self.sides[self.edited].recipe.settings.technique;
                 self.sides[self.edited].set(Settings { technique, ..Side::defaults() }, "reset");
             }
             if ui.button("Swap").on_hover_text("Swaps the sides").clicked() {
-                let [a, b] = [self.sides[0].settings, self.sides[1].settings];
-                self.sides[0].set(b, "swap");
-                self.sides[1].set(a, "swap");
+                let [a, b] = [self.sides[0].recipe, self.sides[1].recipe];
+                self.sides[0].take(b, "swap");
+                self.sides[1].take(a, "swap");
             }
             if ui.button("Copy").on_hover_text("The other side gets these settings too").clicked() {
-                let settings = self.sides[self.edited].settings;
-                self.sides[1 - self.edited].set(settings, "copy");
+                let recipe = self.sides[self.edited].recipe;
+                self.sides[1 - self.edited].take(recipe, "copy");
             }
         });
     }
 
     /// Groups of settings: that of the technique, those of all techniques, and those of the others.
     pub(super) fn technique_settings(&mut self, ui: &mut Ui) {
-        let technique = self.sides[self.edited].settings.technique;
+        let Recipe { maker, settings } = self.sides[self.edited].recipe;
+        let technique = settings.technique;
+        if maker != Maker::Node {
+            CollapsingHeader::new("Rays and weights").show(ui, |ui| self.group(ui, ""));
+            return;
+        }
         let of = |own: bool| controls::groups().filter(move |(_, of)| (*of == technique) == own);
         for (path, of) in of(true) {
             CollapsingHeader::new(format!("{of:?}")).id_salt(path).show(ui, |ui| self.group(ui, path));
@@ -94,7 +109,7 @@ impl App {
     }
 
     fn presets(&mut self, ui: &mut Ui) {
-        let settings = self.sides[self.edited].settings;
+        let settings = self.sides[self.edited].recipe.settings;
         let with = |preset: Preset| match settings.technique {
             Technique::Windowed => Some(Settings { windowed: preset.windowed(), ..settings }),
             Technique::Surfaces => Some(Settings { surfaces: preset.surfaces(), ..settings }),
@@ -117,7 +132,7 @@ impl App {
     }
 
     fn setting_rows(&mut self, ui: &mut Ui, which: impl Fn(&Control) -> bool) {
-        let settings = self.sides[self.edited].settings;
+        let settings = self.sides[self.edited].recipe.settings;
         let tree = serde_json::to_value(settings).unwrap_or_default();
         let defaults = serde_json::to_value(Side::defaults()).unwrap_or_default();
         for control in controls::all().iter().filter(|control| which(control)) {

@@ -32,7 +32,7 @@ fn rays(rendered: &Rendered, own: Option<&[Sent]>) -> Option<String> {
         return None;
     }
     let Some(own) = own else {
-        let moves = rendered.settings.goal.is_some();
+        let moves = rendered.recipe.recorded().goal.is_some();
         let why =
             if moves { "rays: not known, as the goal moves them from frame to frame" } else { "rays: being counted" };
         return Some(why.to_owned());
@@ -48,7 +48,7 @@ pub fn samples(painter: &Painter, clip: Rect, side: &Side, rendered: &Rendered, 
     let m = rendered.view.options.m;
     let at = (pixel[1] * rendered.picture.width + pixel[0]) as usize;
     let word = rendered.plan.get(at).copied().unwrap_or(PlanWord(1));
-    let shaded = shaded(&rendered.settings, m, word);
+    let shaded = shaded(&rendered.recipe.recorded(), m, word);
     let [r, g, b, _] = rendered.picture.rgba.get(at).copied().unwrap_or_default();
     let n = (m * m) as usize;
     let sent = side.sent.as_ref().and_then(|all| all.get(at * n..(at + 1) * n));
@@ -56,7 +56,7 @@ pub fn samples(painter: &Painter, clip: Rect, side: &Side, rendered: &Rendered, 
         Shaded::Places(places) => places.iter().filter(|&&p| p).count() as u32,
         Shaded::Count(k) => *k,
     };
-    let lit = rendered.settings.technique == Technique::Surfaces;
+    let lit = rendered.recipe.recorded().technique == Technique::Surfaces;
     let of = if lit { "lights".to_owned() } else { format!("of {} samples", m * m) };
     let mut lines = vec![format!("{}, {}   {count} {of}", pixel[0], pixel[1]), format!("{r:.3} {g:.3} {b:.3}")];
     lines.extend(rays(rendered, sent));
@@ -84,8 +84,11 @@ pub fn samples(painter: &Painter, clip: Rect, side: &Side, rendered: &Rendered, 
         let color = if on { Color32::from_rgb(255, 190, 60) } else { Color32::from_gray(60) };
         painter.rect_filled(Rect::from_min_size(min, vec2(cell - 1.0, cell - 1.0)), 0.0, color);
     }
-    for (sent, (x, y)) in
-        sent.into_iter().flatten().zip(deferred_aa::sample_order(&rendered.settings, m)).filter(|(s, _)| casting(s))
+    for (sent, (x, y)) in sent
+        .into_iter()
+        .flatten()
+        .zip(deferred_aa::sample_order(&rendered.recipe.recorded(), m))
+        .filter(|(s, _)| casting(s))
     {
         let centre = corner + vec2(f32::from(x) + 0.5, f32::from(y) + 0.5) * cell - vec2(0.5, 0.5);
         painter.circle(

@@ -1,10 +1,13 @@
 //! What is written on the picture: technique, samples, time and quality of each side, and what its colours mean.
 
 use super::super::app::App;
-use super::super::panels::{decibels, technique};
+use super::super::panels::decibels;
+use super::super::renderer::Maker;
 use super::legend::Legend;
+use deferred_aa::Technique;
 use egui::{Align2, Color32, FontId, Galley, Painter, Pos2, Rect, pos2, vec2};
 use std::sync::Arc;
+use std::time::Duration;
 
 impl App {
     /// `area` is the place of the picture, `rect` the picture, which may be larger.
@@ -42,21 +45,43 @@ impl App {
         if self.look.show_error && own.error.is_some() {
             return Some(Legend::of_error());
         }
-        Legend::of_view(&rendered.settings, rendered.view.options.m)
+        Legend::of_view(&rendered.recipe.recorded(), rendered.view.options.m)
     }
 
     /// Technique, samples, time and quality.
     fn caption(&self, side: usize) -> String {
         let s = &self.sides[side];
         let Some(rendered) = &s.rendered else { return String::new() };
-        let mut parts = vec![technique(&rendered.settings)];
-        parts.push(format!("k {:.2}", rendered.shot.statistics.mean_k));
-        parts.extend(s.node_ms().map(|ms| format!("{ms:.1} ms")));
-        parts.extend(s.quality.and_then(|q| q.psnr_db).map(decibels));
+        let mut parts = vec![rendered.recipe.name()];
+        if rendered.recipe.maker == Maker::Reference {
+            parts.push(self.kept.reference.name().to_owned());
+        } else {
+            parts.push(format!("k {:.2}", rendered.shot.statistics.mean_k));
+            if let Some(ms) = s.node_ms() {
+                let against = self.against_full(side, ms).unwrap_or_default();
+                parts.push(format!("node {ms:.1} ms{against}"));
+            }
+            parts.extend(s.quality.and_then(|q| q.psnr_db).map(decibels));
+        }
         if self.look.show_error {
             parts.push("error".to_owned());
         }
         parts.join("  ")
+    }
+
+    /// How a time of the node compares with that of full supersampling of the same view, where that was measured.
+    fn against_full(&self, side: usize, ms: f64) -> Option<String> {
+        let rendered = self.sides[side].rendered.as_ref()?;
+        let recorded = rendered.recipe.recorded();
+        if recorded.technique == Technique::Full {
+            return None;
+        }
+        let factor = self.comparison.full_ms(&rendered.view)? / ms;
+        Some(if factor >= 1.0 {
+            format!(", {factor:.1}× cheaper than Full")
+        } else {
+            format!(", {:.1}× dearer than Full", 1.0 / factor)
+        })
     }
 
     /// What the renderer is at, the last message for a while, and what keeps the viewer from working, above `bottom`.
@@ -67,7 +92,15 @@ impl App {
         }
         lines.extend(self.status.recent().map(str::to_owned));
         if !self.status.busy.is_empty() {
-            lines.push(self.status.busy_text());
+            let frames = self.comparison.progress.filter(|(done, all)| done < all && *all > 1);
+            let frames =
+                frames.map_or(String::new(), |(done, all)| format!("  {done} of {all} frames of the reference"));
+            lines.push(self.status.busy_text() + &frames);
+        }
+        if !lines.is_empty() {
+            // Seconds count up, and messages go. Nothing turns: where the CPU draws, that takes as much of it as the
+            // frame that is waited for.
+            painter.ctx().request_repaint_after(Duration::from_millis(500));
         }
         if let Some(why) = &self.status.failed {
             lines.push(format!("{why}. Settings are saved; start the viewer again."));

@@ -45,6 +45,7 @@ impl App {
         let spare = ((full - area.size()) / 2.0).max(egui::Vec2::ZERO);
         self.look.pan = self.look.pan.clamp(-spare, spare);
         let rect = scale::snapped(Rect::from_center_size(area.center() + self.look.pan, full), pixels);
+        self.look.rect = rect;
         let divider = self.divider(ui, rect);
         self.draw(&painter, rect, divider);
         self.captions(&painter, area, rect, divider);
@@ -103,16 +104,22 @@ impl App {
 
     fn steer(&mut self, ui: &Ui, response: &Response, area: Rect) {
         let (Some(camera), Some(opened), false) = (self.camera, &self.opened, self.look.frozen) else { return };
+        let orbits = self.look.orbit || ui.input(|i| i.modifiers.alt);
         if response.dragged_by(PointerButton::Primary) {
             let drag = response.drag_delta() / area.height().max(1.0);
-            self.camera = Some(fly::turned(camera, Vec2::new(drag.x, drag.y)));
+            let drag = Vec2::new(drag.x, drag.y);
+            self.camera = Some(if orbits { fly::orbited(camera, drag) } else { fly::turned(camera, drag) });
         }
         if response.hovered() {
             let (scroll, zoom) = ui.input(|i| (i.smooth_scroll_delta().y, i.zoom_delta()));
             if zoom != 1.0 {
                 self.camera = Some(fly::zoomed(camera, 1.0 / zoom));
             } else if scroll != 0.0 {
-                self.camera = Some(fly::moved(camera, Vec3::Z * scroll * opened.radius * 0.001));
+                self.camera = Some(if orbits {
+                    fly::neared(camera, (-scroll * 0.002).exp())
+                } else {
+                    fly::moved(camera, Vec3::Z * scroll * opened.radius() * 0.001)
+                });
             }
         }
         if response.clicked() || response.drag_started() {

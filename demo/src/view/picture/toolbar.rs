@@ -1,8 +1,9 @@
 //! The buttons over the picture: what is seen of it, and how.
 
 use super::super::app::App;
+use super::super::state::{Channel, Tone};
 use deferred_aa::DebugView;
-use egui::{Align2, ComboBox, Frame, Id, Margin, Order, Rect, Ui, vec2};
+use egui::{Align2, ComboBox, DragValue, Frame, Id, Margin, Order, Rect, Slider, Ui, vec2};
 
 /// The buttons are in a menu where the picture has less room than this, in points.
 const NARROW: f32 = 420.0;
@@ -76,6 +77,43 @@ impl App {
             }
         });
         list.response.on_hover_text(ZOOM);
+        let plain = self.look.tone == Tone::default();
+        let menu = ui.menu_button(if plain { "Display" } else { "Display *" }, |ui| self.display(ui));
+        menu.response.on_hover_text("Exposure, channel and range of what is shown; nothing else changes");
+        let orbit = ui.selectable_label(self.look.orbit, "Orbit");
+        if orbit.on_hover_text("Drags turn around what is looked at: O, or Alt and a drag").clicked() {
+            self.look.orbit = !self.look.orbit;
+        }
+        let frame = ui.button("Frame");
+        if frame.on_hover_text("Shows the whole scene; F frames the object under the pointer").clicked() {
+            self.frame_object(None);
+        }
+    }
+}
+
+impl App {
+    fn display(&mut self, ui: &mut Ui) {
+        let tone = &mut self.look.tone;
+        ui.label("exposure, stops");
+        ui.add(Slider::new(&mut tone.exposure, -8.0..=8.0).max_decimals(2))
+            .on_hover_text("-8 to 8. Higher: brighter. The node and the measured error stay as they are.");
+        ui.label("channel");
+        ui.horizontal_wrapped(|ui| {
+            for channel in Channel::ALL {
+                ui.selectable_value(&mut tone.channel, channel, channel.name());
+            }
+        });
+        ui.label("range");
+        ui.horizontal(|ui| {
+            let [black, white] = &mut tone.range;
+            for (value, name) in [(black, "black"), (white, "white")] {
+                ui.add(DragValue::new(value).range(0.0..=1.0).speed(0.005).max_decimals(3))
+                    .on_hover_text(format!("The displayed value that is shown {name}, 0 to 1"));
+            }
+        });
+        if ui.button("Reset").clicked() {
+            *tone = Tone::default();
+        }
     }
 }
 

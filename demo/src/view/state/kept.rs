@@ -1,13 +1,16 @@
 //! What the viewer remembers from one start to the next.
 
 use crate::files;
-use crate::view::renderer::{Lights, Reference};
+use crate::view::renderer::{Lights, Maker, Recipe, Reference};
 use deferred_aa::Settings;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
 /// The version of the files that are written. Files of another version are not read, and the viewer starts afresh.
 const VERSION: u32 = 1;
+
+/// The most scenes that are remembered.
+const MOST_RECENT: usize = 8;
 
 /// All that is remembered.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -28,6 +31,8 @@ pub struct Kept {
     pub m: u32,
     /// The settings of the sides.
     pub settings: [Settings; 2],
+    /// Who makes the pictures of the sides.
+    pub makers: [Maker; 2],
     /// Whether both sides are shown.
     pub split: bool,
     /// The place of the divider, as a share of the picture's width.
@@ -36,6 +41,8 @@ pub struct Kept {
     pub reference: Reference,
     /// How often the light loop runs.
     pub stall: u32,
+    /// The scenes that were opened last, the newest first.
+    pub recent: Vec<String>,
 }
 
 impl Default for Kept {
@@ -50,15 +57,32 @@ impl Default for Kept {
             fill: None,
             m: 4,
             settings: [Settings::default(), single],
+            makers: [Maker::Node; 2],
             split: true,
             divider: 0.5,
             reference: Reference::Grid,
             stall: 1,
+            recent: Vec::new(),
         }
     }
 }
 
 impl Kept {
+    /// Remembers a scene that was opened: a file by its whole path.
+    pub fn remember(&mut self, scene: &str) {
+        let path = Path::new(scene);
+        let whole = if path.is_file() { std::path::absolute(path).ok() } else { None };
+        let name = whole.map_or(scene.to_owned(), |path| path.display().to_string());
+        self.recent.retain(|other| *other != name);
+        self.recent.insert(0, name);
+        self.recent.truncate(MOST_RECENT);
+    }
+
+    /// The recipes of the sides as they are remembered.
+    pub fn recipes(&self) -> [Recipe; 2] {
+        [0, 1].map(|side| Recipe { maker: self.makers[side], settings: self.settings[side] })
+    }
+
     /// The lights as they are remembered.
     pub fn lights(&self) -> Lights {
         Lights { stall: self.stall, count: u32::MAX, sun: None }
@@ -119,6 +143,15 @@ mod tests {
     use super::*;
 
     #[test]
+    fn the_last_scenes_are_remembered_once_each() {
+        let mut kept = Kept::default();
+        (0..20).for_each(|i| kept.remember(["flat", "empty", "atrium"][i % 3]));
+        assert_eq!(kept.recent, ["empty", "flat", "atrium"]);
+        (0..20).for_each(|i| kept.remember(&i.to_string()));
+        assert_eq!((kept.recent.len(), kept.recent[0].as_str()), (MOST_RECENT, "19"));
+    }
+
+    #[test]
     fn what_is_kept_comes_back_and_what_is_broken_is_named() {
         let folder = std::env::temp_dir().join(format!("deferred-aa-kept-{}", std::process::id()));
         let path = folder.join("view.json");
@@ -136,6 +169,9 @@ mod tests {
             assert_eq!(found, Kept::default());
             assert!(why.unwrap().contains(part));
         }
+        // What an earlier program wrote has less in it.
+        std::fs::write(&path, r#"{"version": 1, "m": 3}"#).unwrap();
+        assert_eq!(Kept::load(&path), (Kept { m: 3, ..Kept::default() }, None));
         std::fs::write(&path, "{").unwrap();
         assert!(Kept::load(&path).1.is_some_and(|why| why.contains("starting afresh")));
         std::fs::remove_dir_all(folder).unwrap();

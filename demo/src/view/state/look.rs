@@ -1,5 +1,7 @@
 //! How the pictures are looked at.
 
+use super::tone::Tone;
+
 /// What is shown of the pictures, how large, and with what around them.
 pub struct Look {
     /// The only side that is shown, if it is one.
@@ -10,6 +12,12 @@ pub struct Look {
     pub panels: bool,
     /// The buttons over the picture are shown.
     pub buttons: bool,
+    /// Drags of the picture turn around what is looked at.
+    pub orbit: bool,
+    /// How radiance becomes what the screen shows.
+    pub tone: Tone,
+    /// Where the picture is in the window, in points.
+    pub rect: egui::Rect,
     /// Where a picture is wrong is shown in place of it.
     pub show_error: bool,
     /// What is around the pointer is magnified.
@@ -27,6 +35,9 @@ impl Default for Look {
             frozen: false,
             panels: true,
             buttons: true,
+            orbit: false,
+            tone: Tone::default(),
+            rect: egui::Rect::NOTHING,
             show_error: false,
             magnify: false,
             scale: None,
