@@ -3,7 +3,6 @@
 use super::controls;
 use super::input::dialog::Dialog;
 use super::judge::{Case, Verdict};
-use super::picture::coarse_enough;
 use super::renderer::{Event, Lights, Opened, Source, View, Wanted};
 use super::report_process::Report;
 use super::state::{Comparison, Kept, Look, Side, Status};
@@ -14,7 +13,7 @@ use egui::Context;
 use std::path::PathBuf;
 
 /// Frames of each side that are measured.
-const FRAMES: u32 = 5;
+pub const FRAMES: u32 = 5;
 
 /// Height of an open list, in points: all debug views at once.
 const TALLEST: f32 = 600.0;
@@ -42,7 +41,7 @@ pub struct Start {
 
 /// The viewer.
 pub struct App {
-    threads: Threads,
+    pub(super) threads: Threads,
     kept_at: Option<PathBuf>,
     /// What is remembered from one start to the next.
     pub kept: Kept,
@@ -50,7 +49,7 @@ pub struct App {
     pub sides: [Side; 2],
     /// The side whose settings the controls show.
     pub edited: usize,
-    source: (Source, u64),
+    pub(super) source: (Source, u64),
     start_camera: Option<Camera>,
     /// The scene, once it is there.
     pub opened: Option<Opened>,
@@ -60,8 +59,10 @@ pub struct App {
     pub options: Options,
     /// Screen pixels along a side of a picture's pixel, where the picture matches the window's size.
     pub fill: Option<u32>,
-    /// Until the place is known, by which it is chosen.
-    most_pixels: Option<u32>,
+    /// The value that nobody has chosen, and that is not remembered.
+    pub(super) usual_fill: Option<u32>,
+    /// Until the place is known, by which the usual value is chosen.
+    pub(super) most_pixels: Option<u32>,
     /// The size of that place, in pixels.
     pub place: [u32; 2],
     /// The lights.
@@ -84,6 +85,7 @@ impl App {
     pub fn new(ctx: &Context, start: Start) -> std::io::Result<Self> {
         let Start { source, camera, options, adapter, kept, kept_at, fill, most_pixels } = start;
         let lights = kept.lights();
+        let usual_fill = if kept.fill.is_none() { fill } else { None };
         let wanted = Wanted {
             scene: (source.clone(), 1),
             view: None,
@@ -114,6 +116,7 @@ impl App {
             camera: None,
             options,
             fill,
+            usual_fill,
             most_pixels,
             place: [options.width, options.height],
             lights,
@@ -246,54 +249,6 @@ impl App {
         self.look.alone.map_or(self.kept.split || side == self.edited, |alone| alone == side)
     }
 
-    /// Whether what a side shows is not yet what is wanted.
-    pub fn is_stale(&self, side: usize) -> bool {
-        let seen = self.sides[side].rendered.as_ref().map(|r| &*r.view);
-        !self.shown_is_wanted(side) || seen != self.wanted_view().as_ref()
-    }
-
-    /// The picture has this place in the window, in pixels.
-    pub fn has_place(&mut self, place: [u32; 2]) {
-        self.place = place;
-        if let Some(most) = self.most_pixels.take() {
-            self.fill = Some(coarse_enough(place, most));
-        }
-    }
-
-    fn wanted_view(&self) -> Option<View> {
-        self.opened.as_ref().zip(self.camera).map(|(opened, camera)| View {
-            opening: opened.opening,
-            options: self.options,
-            lights: self.lights,
-            camera,
-        })
-    }
-
-    /// Tells the renderer what is wanted, if that has changed.
-    pub fn sync(&mut self) {
-        let size = match self.fill {
-            Some(coarse) => self.place.map(|side| side / coarse.max(1)),
-            None => [self.options.width, self.options.height],
-        };
-        self.options = Options { width: size[0].max(1), height: size[1].max(1), ..self.options };
-        let view = self.wanted_view();
-        self.comparison.look_at(view.as_ref(), self.kept.reference);
-        // Both are rendered where they can be flipped between.
-        let wanted = |side: usize| {
-            (self.kept.split || self.look.alone.is_some() || self.shows(side)).then_some(self.sides[side].recipe)
-        };
-        let next = Wanted {
-            scene: self.source.clone(),
-            view,
-            sides: [wanted(0), wanted(1)],
-            frames: FRAMES,
-            reference: self.kept.reference,
-            paused: self.hidden,
-            quit: false,
-        };
-        self.threads.want(next);
-    }
-
     /// Opens a scene in place of the present one, which stays if that fails.
     pub fn open(&mut self, name: &str) {
         self.source = (Source { name: name.to_owned(), index: None }, self.source.1 + 1);
@@ -316,7 +271,7 @@ impl App {
         self.kept.makers = [0, 1].map(|side| self.sides[side].recipe.maker);
         self.kept.m = self.options.m;
         self.kept.stall = self.lights.stall;
-        self.kept.fill = self.fill;
+        self.kept.fill = self.fill.filter(|_| self.fill != self.usual_fill);
         self.kept.size = self.fill.is_none().then_some([self.options.width, self.options.height]);
         if let Some(path) = self.kept_at.clone()
             && let Err(e) = self.kept.save(&path)

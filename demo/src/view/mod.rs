@@ -18,6 +18,7 @@ mod state;
 mod tests;
 mod threads;
 mod tour;
+mod wants;
 mod window;
 
 pub use app::Start;

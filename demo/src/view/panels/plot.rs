@@ -5,7 +5,7 @@ use super::super::renderer::Recipe;
 use super::super::state::Tried;
 use super::colors::recipe_color;
 use crate::measure::quality::IDENTICAL_DB;
-use egui::{Color32, RichText, Sense, Ui, vec2};
+use egui::{Color32, FontId, RichText, Sense, Ui, vec2};
 use egui_plot::{Line, Plot, PlotPoint, PlotPoints, Points};
 
 impl App {
@@ -17,6 +17,10 @@ impl App {
         let kinds: Vec<Recipe> =
             Recipe::kinds().filter(|kind| present.iter().any(|t| t.recipe.name() == kind.name())).collect();
         legend(ui, &kinds, !past.is_empty());
+        if shown.is_empty() {
+            ui.weak("A point appears with every picture that was held against the reference.");
+            return;
+        }
         let at = |t: &Tried| [t.ms, t.db];
         let rings: Vec<[f64; 2]> = (0..2)
             .filter_map(|side| {
@@ -75,12 +79,11 @@ fn legend(ui: &mut Ui, kinds: &[Recipe], has_past: bool) {
         ui.spacing_mut().item_spacing.x = 8.0;
         let grey = has_past.then(|| ("other views".to_owned(), ui.visuals().weak_text_color()));
         for (name, color) in kinds.iter().map(|kind| (kind.name(), recipe_color(kind))).chain(grey) {
-            ui.horizontal(|ui| {
-                ui.spacing_mut().item_spacing.x = 3.0;
-                let (swatch, _) = ui.allocate_exact_size(vec2(8.0, 8.0), Sense::hover());
-                ui.painter().circle_filled(swatch.center(), 4.0, color);
-                ui.label(RichText::new(name).size(font));
-            });
+            // One widget each, so that a name goes to the next line with its colour.
+            let galley = ui.painter().layout_no_wrap(name, FontId::proportional(font), ui.visuals().text_color());
+            let (rect, _) = ui.allocate_exact_size(galley.size() + vec2(12.0, 0.0), Sense::hover());
+            ui.painter().circle_filled(rect.left_center() + vec2(4.0, 0.0), 4.0, color);
+            ui.painter().galley(rect.min + vec2(11.0, 0.0), galley, ui.visuals().text_color());
         }
     });
 }

@@ -4,7 +4,9 @@ use super::super::controls::{self, Control, Kind};
 use super::super::renderer::{Maker, Recipe};
 use super::names::about;
 use deferred_aa::{SettingRange, SettingScale, Settings};
-use egui::{ComboBox, DragValue, Label, RectAlign, Response, RichText, Slider, SliderClamping, Tooltip, Ui};
+use egui::{
+    Align, ComboBox, DragValue, Label, Layout, RectAlign, Response, RichText, Slider, SliderClamping, Tooltip, Ui,
+};
 use serde_json::{Value, json};
 
 /// Width of what puts a setting back to its default, in points.
@@ -131,14 +133,17 @@ fn choice(
 pub fn kinds(ui: &mut Ui, chosen: &Recipe, doc: &str) -> Option<Recipe> {
     let mut new = None;
     let shown = list(ui, "technique", chosen.name(), 0.0, |ui| {
-        ui.set_min_width(220.0);
+        ui.set_min_width(240.0);
         for kind in Recipe::kinds() {
-            let is_chosen = kind.name() == chosen.name();
-            if ui.selectable_label(is_chosen, RichText::new(kind.name()).strong()).clicked() {
+            let name = RichText::new(kind.name()).strong();
+            if ui.selectable_label(kind.name() == chosen.name(), name).clicked() {
                 let technique = if kind.maker == Maker::Node { kind } else { *chosen }.settings.technique;
                 new = Some(Recipe { maker: kind.maker, settings: Settings { technique, ..chosen.settings } });
             }
-            ui.add(Label::new(RichText::new(about(&kind)).small().weak()).wrap());
+            ui.with_layout(Layout::left_to_right(Align::Min), |ui| {
+                ui.add_space(8.0);
+                ui.add(Label::new(RichText::new(about(&kind)).size(11.0)).wrap());
+            });
         }
     });
     beside(&shown, &format!("{}: {}.\n\n{doc}", chosen.name(), about(chosen)), "");

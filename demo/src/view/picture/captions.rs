@@ -117,6 +117,6 @@ impl App {
 
 /// Text on a dark ground, so that it can be read on any picture.
 pub fn on_dark(painter: &Painter, rect: Rect, galley: Arc<Galley>) {
-    painter.rect_filled(rect, 3.0, Color32::from_black_alpha(170));
+    painter.rect_filled(rect, 3.0, Color32::from_black_alpha(200));
     painter.galley(rect.min + vec2(3.0, 3.0), galley, Color32::WHITE);
 }

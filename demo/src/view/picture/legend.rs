@@ -113,11 +113,11 @@ impl Legend {
         let keys: Vec<_> = self.keys.iter().map(|(color, text)| (*color, layout(text))).collect();
         let bar = if ticks.is_empty() { 0.0 } else { 150f32.min(width - 24.0) };
         let line = title.size().y.max(12.0);
-        let widest = keys.iter().map(|(_, text)| text.size().x + 18.0).fold(title.size().x.max(bar + 12.0), f32::max);
+        let widest = keys.iter().map(|(_, text)| text.size().x + 18.0).fold(title.size().x.max(bar + 20.0), f32::max);
         let bar_height = if ticks.is_empty() { 0.0 } else { 26.0 };
         let height = title.size().y + bar_height + keys.iter().map(|(_, text)| text.size().y + 1.0).sum::<f32>();
         let rect = align.anchor_size(at, vec2(widest + 10.0, height + 8.0));
-        painter.rect_filled(rect, 3.0, Color32::from_black_alpha(190));
+        painter.rect_filled(rect, 3.0, Color32::from_black_alpha(210));
         let corner = rect.min + vec2(5.0, 4.0);
         let mut top = corner.y + title.size().y;
         painter.galley(corner, title, Color32::WHITE);

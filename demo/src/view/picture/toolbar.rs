@@ -3,7 +3,10 @@
 use super::super::app::App;
 use super::super::state::{Channel, Tone};
 use deferred_aa::DebugView;
-use egui::{Align2, ComboBox, DragValue, Frame, Id, Margin, Order, Rect, Slider, Ui, vec2};
+use egui::containers::menu::{MenuButton, MenuConfig, SubMenuButton, is_in_menu};
+use egui::{
+    Align2, ComboBox, DragValue, Frame, Id, Margin, Order, PopupCloseBehavior, Rect, Response, Slider, Ui, vec2,
+};
 
 /// The buttons are in a menu where the picture has less room than this, in points.
 const NARROW: f32 = 420.0;
@@ -24,7 +27,7 @@ impl App {
             Frame::NONE.fill(fill).inner_margin(Margin::symmetric(6, 3)).show(ui, |ui| {
                 ui.set_width(area.width() - 12.0);
                 if area.width() < NARROW {
-                    ui.menu_button("Buttons", |ui| self.buttons(ui));
+                    menu(ui, "Buttons", |ui| self.buttons(ui));
                 } else {
                     ui.horizontal_wrapped(|ui| self.buttons(ui));
                 }
@@ -78,8 +81,9 @@ impl App {
         });
         list.response.on_hover_text(ZOOM);
         let plain = self.look.tone == Tone::default();
-        let menu = ui.menu_button(if plain { "Display" } else { "Display *" }, |ui| self.display(ui));
-        menu.response.on_hover_text("Exposure, channel and range of what is shown; nothing else changes");
+        let title = if plain { "Display" } else { "Display *" };
+        let hint = "Exposure, channel and range of what is shown; nothing else changes";
+        menu(ui, title, |ui| self.display(ui)).on_hover_text(hint);
         let orbit = ui.selectable_label(self.look.orbit, "Orbit");
         if orbit.on_hover_text("Drags turn around what is looked at: O, or Alt and a drag").clicked() {
             self.look.orbit = !self.look.orbit;
@@ -114,6 +118,16 @@ impl App {
         if ui.button("Reset").clicked() {
             *tone = Tone::default();
         }
+    }
+}
+
+/// A menu of controls, which stays open while they are used.
+fn menu(ui: &mut Ui, title: &str, add: impl FnOnce(&mut Ui)) -> Response {
+    let config = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
+    if is_in_menu(ui) {
+        SubMenuButton::new(title).config(config).ui(ui, add).0
+    } else {
+        MenuButton::new(title).config(config).ui(ui, add).0
     }
 }
 
