@@ -3,7 +3,7 @@
 use super::controls;
 use super::input::dialog::Dialog;
 use super::judge::{Case, Verdict};
-use super::renderer::{Event, Lights, Opened, Source, View, Wanted};
+use super::renderer::{Event, Lights, Opened, Source, Wanted};
 use super::report_process::Report;
 use super::state::{Comparison, Kept, Look, Side, Status};
 use super::threads::Threads;

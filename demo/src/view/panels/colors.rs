@@ -44,6 +44,7 @@ pub fn pass_color(kind: Option<PassKind>) -> Color32 {
         Some(PassKind::Trace) => [110, 110, 230],
         Some(PassKind::Reflect) => [60, 170, 210],
         Some(PassKind::Resolve) => [72, 172, 92],
+        Some(PassKind::Host) => [60, 180, 180],
         Some(PassKind::Audit) => [200, 90, 160],
         Some(PassKind::View | PassKind::Depth) => [110, 170, 110],
         Some(_) => [170, 170, 170],

@@ -44,12 +44,12 @@ impl App {
         };
         let mut changed = row(
             "azimuth",
-            Slider::new(&mut azimuth, -180.0..=180.0).suffix("°").max_decimals(1),
+            Slider::new(&mut azimuth, -180.0..=180.0).custom_formatter(degrees),
             "Direction towards the sun, -180 to 180 degrees",
         );
         changed |= row(
             "elevation",
-            Slider::new(&mut elevation, -90.0..=90.0).suffix("°").max_decimals(1),
+            Slider::new(&mut elevation, -90.0..=90.0).custom_formatter(degrees),
             "Height of the sun above the horizon, -90 to 90 degrees",
         );
         changed |= row(
@@ -66,4 +66,9 @@ impl App {
             self.lights.sun = None;
         }
     }
+}
+
+/// Written short, but not rounded: that would move the sun.
+fn degrees(value: f64, _: std::ops::RangeInclusive<usize>) -> String {
+    format!("{value:.1}°")
 }

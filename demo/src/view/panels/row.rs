@@ -132,7 +132,7 @@ fn choice(
 /// that was chosen.
 pub fn kinds(ui: &mut Ui, chosen: &Recipe, doc: &str) -> Option<Recipe> {
     let mut new = None;
-    let shown = list(ui, "technique", chosen.name(), 0.0, |ui| {
+    let shown = list(ui, "technique", chosen.name(), RESET + 8.0, |ui| {
         ui.set_min_width(240.0);
         for kind in Recipe::kinds() {
             let name = RichText::new(kind.name()).strong();

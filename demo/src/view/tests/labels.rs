@@ -72,6 +72,7 @@ fn no_text_is_cut_off_at_any_size() {
     for (scale, screen) in screens() {
         hold(&mut rig, scale, screen, "the start");
     }
+    let lights = rig.app.lights;
     // All groups open, in a window that is high enough for them.
     let screen = vec2(1440.0, 6000.0);
     rig.screen = screen;
@@ -88,6 +89,8 @@ fn no_text_is_cut_off_at_any_size() {
         }
     }
     assert!(rig.texts().any(|(text, _)| text == "anisotropy"), "{:?}", rig.texts().collect::<Vec<_>>());
+    // Controls that are only looked at change nothing.
+    assert_eq!((rig.app.lights, rig.app.sides[0].steps()), (lights, (0, 0)));
     for technique in Technique::ALL {
         rig.app.sides[0].take(Recipe::node(Settings { technique, ..Settings::default() }), "technique");
         for (scale, screen) in screens() {

@@ -4,6 +4,7 @@ use super::super::renderer::Reference;
 use super::super::tour::Tour;
 use super::Rig;
 use crate::host::Options;
+use deferred_aa::DebugView;
 use egui::{Event, Modifiers, PointerButton, pos2};
 use serde_json::json;
 use std::time::{Duration, Instant};
@@ -145,4 +146,76 @@ fn rays_of_each_sample_are_those_of_the_frame() {
         assert_eq!(found, [counted.shadow_rays, counted.reflection_rays, counted.refraction_rays]);
         assert!(found.iter().all(|&rays| rays > 0), "{found:?}");
     }
+}
+
+/// What keys do, buttons over the picture do too.
+#[test]
+fn buttons_over_the_picture_show_views_with_legends() {
+    let mut rig = Rig::new("flat");
+    rig.until("both sides against the reference", |app| app.sides.iter().all(|s| s.quality.is_some()));
+    let button = |rig: &Rig, name: &str| rig.texts().find(|(text, at)| *text == name && at.x > 330.0).unwrap().1;
+    for (name, view, legend) in [
+        ("Samples", DebugView::Count, "shaded samples a pixel"),
+        ("Decided by", DebugView::Decided, "what decided the number of samples"),
+    ] {
+        let at = button(&rig, name);
+        rig.click(at);
+        rig.until("the view", |app| (0..2).all(|side| app.shown_is_wanted(side)));
+        rig.frame();
+        assert!(rig.app.sides.iter().all(|side| side.recipe.settings.view == view), "{name}");
+        assert!(rig.texts().any(|(text, _)| text == legend), "{legend}");
+    }
+    // Again, it is the image.
+    let at = button(&rig, "Decided by");
+    rig.click(at);
+    rig.until("the image", |app| (0..2).all(|side| app.shown_is_wanted(side) && app.sides[side].error.is_some()));
+    assert_eq!(rig.app.sides[0].recipe.settings.view, DebugView::Image);
+    let at = button(&rig, "Error");
+    rig.click(at);
+    rig.frame();
+    assert!(rig.app.look.show_error && rig.texts().any(|(text, _)| text == "1/64"));
+    let at = button(&rig, "Split");
+    rig.click(at);
+    assert!(rig.app.shows(0) && !rig.app.shows(1));
+    let at = button(&rig, "Panel");
+    rig.click(at);
+    assert!(!rig.app.look.panels);
+}
+
+#[test]
+fn the_camera_frames_orbits_and_is_locked() {
+    let mut rig = Rig::new("spheres");
+    rig.app.kept.reference = Reference::Off;
+    rig.until("a picture", |app| app.sides[0].rendered.is_some());
+    rig.frame();
+    let home = rig.app.camera.unwrap();
+    let middle = rig.app.look.rect.center();
+    rig.events.push(Event::PointerMoved(middle));
+    rig.key(egui::Key::F, Modifiers::NONE);
+    let framed = rig.app.camera.unwrap();
+    assert_ne!(framed, home);
+    rig.key(egui::Key::O, Modifiers::NONE);
+    let button = |pos, pressed| {
+        let (button, modifiers) = (PointerButton::Primary, Modifiers::NONE);
+        Event::PointerButton { pos, button, pressed, modifiers }
+    };
+    let drag = |rig: &mut Rig| {
+        let start = middle + egui::vec2(40.0, 60.0);
+        let end = start + egui::vec2(80.0, 0.0);
+        for events in [
+            vec![Event::PointerMoved(start), button(start, true)],
+            vec![Event::PointerMoved(end)],
+            vec![button(end, false)],
+        ] {
+            rig.events = events;
+            rig.frame();
+        }
+    };
+    drag(&mut rig);
+    let turned = rig.app.camera.unwrap();
+    assert!(turned.target == framed.target && turned.eye != framed.eye);
+    rig.key(egui::Key::L, Modifiers::NONE);
+    drag(&mut rig);
+    rig.key(egui::Key::F, Modifiers::NONE);
+    assert_eq!(rig.app.camera, Some(turned));
 }
