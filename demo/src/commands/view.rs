@@ -67,6 +67,7 @@ impl View {
         }
         if let Some(path) = &self.settings {
             kept.settings[0] = settings_file::load(path)?;
+            kept.makers[0] = Default::default();
         }
         if let Some(m) = self.m {
             kept.m = check_m(m)?;

@@ -5,6 +5,7 @@ use crate::host::Options;
 use crate::scene::{Camera, Lens};
 use crate::settings_file::{self, SettingsFileError};
 use crate::view::app::App;
+use crate::view::renderer::Recipe;
 use crate::view::report_process::Report;
 use egui::{Context, Ui};
 use std::path::Path;
@@ -24,7 +25,7 @@ impl App {
             }
             Answer::LoadSettings(path) => match settings_file::load(&path) {
                 Ok(settings) => {
-                    self.sides[self.edited].set(settings, "file");
+                    self.sides[self.edited].take(Recipe::node(settings), "file");
                     self.say(format!("loaded {}", path.display()));
                 }
                 Err(e) => self.said::<SettingsFileError>(Err(e)),

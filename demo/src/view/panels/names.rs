@@ -34,7 +34,7 @@ fn technique(technique: Technique) -> &'static str {
 
 /// With its unit.
 pub fn decibels(db: f64) -> String {
-    if db >= IDENTICAL_DB { "the reference".to_owned() } else { format!("{db:.2} dB") }
+    if db >= IDENTICAL_DB { "as the reference".to_owned() } else { format!("{db:.2} dB") }
 }
 
 pub fn count(n: u64) -> String {

@@ -143,7 +143,7 @@ impl Renderer {
                 (self.say)(Event::Full(view.clone(), made.shot));
                 (self.say)(Event::Progress(all, all));
                 (self.say)(Event::Reference(view, settings, made.picture));
-                self.fulls = if all < FULLS { FULLS - all } else { 0 };
+                self.fulls = FULLS.saturating_sub(all);
             }
             Err(e) => {
                 let e = e?;
