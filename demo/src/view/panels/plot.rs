@@ -36,6 +36,9 @@ impl App {
         let plot = plot.allow_drag(false).allow_zoom(false).allow_scroll(false).allow_boxed_zoom(false);
         let plot = plot.allow_axis_zoom_drag(false).allow_double_click_reset(false).show_crosshair(false);
         let plot = plot.set_margin_fraction(vec2(0.08, 0.12)).label_formatter(|_| None);
+        // However near to each other they are, some decibels are written beside them.
+        let middle = shown.iter().map(|t| t.db).sum::<f64>() / shown.len() as f64;
+        let plot = plot.include_y(middle - 3.0).include_y(middle + 3.0);
         let response = plot.show(ui, |plot| {
             let past: Vec<_> = past.iter().map(|t| at(t)).collect();
             plot.points(Points::new("past", PlotPoints::from(past)).radius(3.0).color(grey).allow_hover(false));

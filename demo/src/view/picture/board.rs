@@ -1,6 +1,6 @@
 //! The samples of the pixel under the pointer, as a board.
 
-use super::super::renderer::{Rendered, casts};
+use super::super::renderer::{Maker, Rendered, casts};
 use super::super::state::Side;
 use crate::host::Sent;
 use deferred_aa::{PlanWord, Settings, Technique};
@@ -28,7 +28,8 @@ const SENDS: [Color32; 2] = [Color32::from_rgb(40, 90, 220), Color32::from_rgb(2
 
 /// The rays of the pixel's samples, in words; none if its frame traces nothing.
 fn rays(rendered: &Rendered, own: Option<&[Sent]>) -> Option<String> {
-    if casts(&rendered.shot) == [false; 2] {
+    // Nobody counts those of the reference.
+    if casts(&rendered.shot) == [false; 2] || rendered.recipe.maker == Maker::Reference {
         return None;
     }
     let Some(own) = own else {
