@@ -5,8 +5,8 @@ use super::super::renderer::Recipe;
 use super::super::state::Tried;
 use super::colors::recipe_color;
 use crate::measure::quality::IDENTICAL_DB;
-use egui::{Color32, FontId, RichText, Sense, Ui, vec2};
-use egui_plot::{Line, Plot, PlotPoint, PlotPoints, Points};
+use egui::{Color32, FontId, Rangef, RichText, Sense, Ui, vec2};
+use egui_plot::{AxisHints, GridInput, GridMark, Line, Plot, PlotPoint, PlotPoints, Points};
 
 impl App {
     pub(super) fn frontier(&mut self, ui: &mut Ui) {
@@ -36,6 +36,8 @@ impl App {
         let plot = plot.allow_drag(false).allow_zoom(false).allow_scroll(false).allow_boxed_zoom(false);
         let plot = plot.allow_axis_zoom_drag(false).allow_double_click_reset(false).show_crosshair(false);
         let plot = plot.set_margin_fraction(vec2(0.08, 0.12)).label_formatter(|_| None);
+        let plot = plot.x_grid_spacer(marks).y_grid_spacer(marks);
+        let plot = plot.custom_x_axes(vec![AxisHints::new_x().label_spacing(Rangef::new(12.0, 24.0))]);
         // However near to each other they are, some decibels are written beside them.
         let middle = shown.iter().map(|t| t.db).sum::<f64>() / shown.len() as f64;
         let plot = plot.include_y(middle - 3.0).include_y(middle + 3.0);
@@ -67,6 +69,17 @@ impl App {
             self.sides[self.edited].take(near.recipe, "point");
         }
     }
+}
+
+/// A few numbers along an axis: multiples of 1, 2 or 5 times a power of ten.
+fn marks(input: GridInput) -> Vec<GridMark> {
+    let (least, most) = input.bounds;
+    let rough = ((most - least) / 4.0).max(1e-9);
+    let power = 10f64.powf(rough.log10().floor());
+    let step_size = [1.0, 2.0, 5.0, 10.0].map(|factor| factor * power).into_iter().find(|step| *step >= rough);
+    let step_size = step_size.unwrap_or(10.0 * power);
+    let all = (least / step_size).ceil() as i64..=(most / step_size).floor() as i64;
+    all.take(20).map(|i| GridMark { value: i as f64 * step_size, step_size }).collect()
 }
 
 /// The title, and the colour of each kind.
