@@ -23,7 +23,7 @@ pub struct View {
     /// Which scene of a glTF file that has several, from 0; its default scene if not given.
     #[arg(long)]
     scene_index: Option<usize>,
-    /// Pixels of the picture, WIDTHxHEIGHT; as last time if not given.
+    /// Pixels of the picture, WIDTHxHEIGHT; as last time, or to match the window, if not given.
     #[arg(long, value_parser = parse_size)]
     size: Option<(u32, u32)>,
     /// Samples along one side of a pixel's window, 1 to 8; as last time if not given.
@@ -56,8 +56,8 @@ pub struct View {
     tour: bool,
 }
 
-/// Of the picture where pixels are shaded by a CPU.
-const ON_A_CPU: [u32; 2] = [480, 270];
+/// The most pixels of a picture at start, where pixels are shaded by a CPU.
+const ON_A_CPU: u32 = 130_000;
 
 impl View {
     pub fn run(self) -> Result<(), CommandError> {
@@ -69,6 +69,7 @@ impl View {
         }
         if let Some(path) = &self.settings {
             kept.settings[0] = settings_file::load(path)?;
+            kept.makers[0] = Default::default();
         }
         if let Some(m) = self.m {
             kept.m = check_m(m)?;
@@ -82,7 +83,7 @@ impl View {
         let adapter = gpu::choose(self.adapter.as_deref())?;
         let on_a_cpu = adapter.get_info().device_type == wgpu::DeviceType::Cpu;
         drop(adapter);
-        let size = self.size.map(|(w, h)| [w, h]).or(kept.size).or(on_a_cpu.then_some(ON_A_CPU));
+        let size = self.size.map(|(w, h)| [w, h]).or(kept.size);
         let [width, height] = size.unwrap_or([960, 540]);
         if width.max(height) > 16_384 {
             return Err(wrong("--size", format!("{width}x{height}: a side has at most 16384 pixels")));
@@ -101,6 +102,7 @@ impl View {
                 _ => GBufferTier::Visibility(Ids::Wide),
             },
         };
+        let kept_fill = kept.fill;
         let start = Start {
             source: Source { name: scene, index: self.scene_index },
             camera: self.camera.map(|c| look_at(c.eye, c.target, c.fov_y, 0.05)),
@@ -108,7 +110,8 @@ impl View {
             adapter: self.adapter,
             kept,
             kept_at,
-            fill: size.is_none(),
+            fill: size.is_none().then(|| kept_fill.unwrap_or(1)),
+            most_pixels: (size.is_none() && kept_fill.is_none() && on_a_cpu).then_some(ON_A_CPU),
         };
         Ok(view::run(start, self.tour)?)
     }

@@ -3,7 +3,7 @@
 use super::controls;
 use super::input::dialog::Dialog;
 use super::judge::{Case, Verdict};
-use super::renderer::{Event, Lights, Opened, Source, View, Wanted, is_image};
+use super::renderer::{Event, Lights, Opened, Source, Wanted};
 use super::report_process::Report;
 use super::state::{Comparison, Kept, Look, Side, Status};
 use super::threads::Threads;
@@ -13,7 +13,7 @@ use egui::Context;
 use std::path::PathBuf;
 
 /// Frames of each side that are measured.
-const FRAMES: u32 = 5;
+pub const FRAMES: u32 = 5;
 
 /// Height of an open list, in points: all debug views at once.
 const TALLEST: f32 = 600.0;
@@ -33,13 +33,15 @@ pub struct Start {
     pub kept: Kept,
     /// The file where they are remembered.
     pub kept_at: Option<PathBuf>,
-    /// The picture is as large as its place in the window.
-    pub fill: bool,
+    /// Screen pixels along a side of a picture's pixel, where the picture matches the window's size.
+    pub fill: Option<u32>,
+    /// The most pixels of a picture that matches the window: [`fill`](Self::fill) is chosen by them.
+    pub most_pixels: Option<u32>,
 }
 
 /// The viewer.
 pub struct App {
-    threads: Threads,
+    pub(super) threads: Threads,
     kept_at: Option<PathBuf>,
     /// What is remembered from one start to the next.
     pub kept: Kept,
@@ -47,7 +49,7 @@ pub struct App {
     pub sides: [Side; 2],
     /// The side whose settings the controls show.
     pub edited: usize,
-    source: (Source, u64),
+    pub(super) source: (Source, u64),
     start_camera: Option<Camera>,
     /// The scene, once it is there.
     pub opened: Option<Opened>,
@@ -55,8 +57,12 @@ pub struct App {
     pub camera: Option<Camera>,
     /// The options as wanted; the renderer may have others until it is done, or for good.
     pub options: Options,
-    /// The picture is as large as its place in the window.
-    pub fill: bool,
+    /// Screen pixels along a side of a picture's pixel, where the picture matches the window's size.
+    pub fill: Option<u32>,
+    /// The value that nobody has chosen, and that is not remembered.
+    pub(super) usual_fill: Option<u32>,
+    /// Until the place is known, by which the usual value is chosen.
+    pub(super) most_pixels: Option<u32>,
     /// The size of that place, in pixels.
     pub place: [u32; 2],
     /// The lights.
@@ -77,8 +83,9 @@ pub struct App {
 impl App {
     /// Starts the renderer. Nothing is shown before [`ui`](Self::ui).
     pub fn new(ctx: &Context, start: Start) -> std::io::Result<Self> {
-        let Start { source, camera, options, adapter, kept, kept_at, fill } = start;
+        let Start { source, camera, options, adapter, kept, kept_at, fill, most_pixels } = start;
         let lights = kept.lights();
+        let usual_fill = if kept.fill.is_none() { fill } else { None };
         let wanted = Wanted {
             scene: (source.clone(), 1),
             view: None,
@@ -100,7 +107,7 @@ impl App {
         Ok(Self {
             threads,
             kept_at,
-            sides: kept.settings.map(Side::new),
+            sides: kept.recipes().map(Side::new),
             kept,
             edited: 0,
             source: (source, 1),
@@ -109,6 +116,8 @@ impl App {
             camera: None,
             options,
             fill,
+            usual_fill,
+            most_pixels,
             place: [options.width, options.height],
             lights,
             comparison: Comparison::default(),
@@ -127,6 +136,11 @@ impl App {
 
     /// Takes what the renderer and the judge have said.
     pub fn receive(&mut self, ctx: &Context) {
+        for (side, name) in self.sides.iter_mut().zip(["left", "right"]) {
+            if side.painted != self.look.tone {
+                side.paint(ctx, name, self.look.tone);
+            }
+        }
         while let Some(event) = self.threads.event() {
             self.heard(ctx, event);
         }
@@ -149,6 +163,7 @@ impl App {
                 self.lights.sun = None;
                 self.comparison.reference = None;
                 self.say(format!("opened {} on {}", opened.source.name, opened.adapter.name));
+                self.kept.remember(&opened.source.name);
                 self.opened = Some(*opened);
             }
             Event::NotOpened(opening, why) => {
@@ -160,19 +175,20 @@ impl App {
                 self.dialog = Some(Dialog::Trouble("The scene could not be opened".to_owned(), why));
             }
             Event::Picture(side, rendered) => {
-                let settings = rendered.settings;
-                self.sides[side].show(ctx, ["left", "right"][side], rendered);
-                if is_image(&settings) {
+                let recipe = rendered.recipe;
+                self.sides[side].show(ctx, ["left", "right"][side], self.look.tone, rendered);
+                if recipe.is_image() {
                     self.hold_against(side);
                 }
             }
-            Event::Measured(side, view, settings, shot) => {
-                self.sides[side].measured(&view, &settings, shot);
+            Event::Measured(side, view, recipe, shot) => {
+                self.sides[side].measured(&view, &recipe, shot);
                 self.try_point(side);
             }
-            Event::Sent(side, view, settings, sent) => self.sides[side].counted(&view, &settings, sent),
-            Event::Refused(side, settings, why) => {
-                if self.sides[side].settings == settings {
+            Event::Sent(side, view, recipe, sent) => self.sides[side].counted(&view, &recipe, sent),
+            Event::Full(view, shot) => self.comparison.measured_full(&view, shot),
+            Event::Refused(side, recipe, why) => {
+                if self.sides[side].recipe == recipe {
                     self.sides[side].refused = Some(why.clone());
                 }
                 self.say(format!("{}: {why}", ["left", "right"][side]));
@@ -188,7 +204,7 @@ impl App {
             Event::NotBuilt(options, why) => {
                 if self.options == options {
                     self.say(format!("not possible: {why}"));
-                    self.dialog = Some(Dialog::Trouble("The node can't be built so".to_owned(), why));
+                    self.dialog = Some(Dialog::Trouble("These settings can't run on this GPU".to_owned(), why));
                 }
             }
             Event::Failed(why) => {
@@ -200,7 +216,7 @@ impl App {
 
     /// Sends a side's picture to the judge, if the reference is of the same view.
     fn hold_against(&mut self, side: usize) {
-        let Some(rendered) = self.sides[side].rendered.as_deref().filter(|r| is_image(&r.settings)) else { return };
+        let Some(rendered) = self.sides[side].rendered.as_deref().filter(|r| r.recipe.is_image()) else { return };
         if let Some(reference) = self.comparison.reference_of(&rendered.view) {
             self.threads.judge.measure(Case { side, picture: rendered.picture.clone(), reference });
         }
@@ -225,38 +241,12 @@ impl App {
     /// Whether a side's picture is what its settings give, or was refused.
     pub fn shown_is_wanted(&self, side: usize) -> bool {
         let s = &self.sides[side];
-        s.refused.is_some() || s.rendered.as_ref().is_some_and(|r| r.settings == s.settings)
+        s.refused.is_some() || s.rendered.as_ref().is_some_and(|r| r.recipe == s.recipe)
     }
 
     /// Whether a side is to be seen.
     pub fn shows(&self, side: usize) -> bool {
         self.look.alone.map_or(self.kept.split || side == self.edited, |alone| alone == side)
-    }
-
-    /// Tells the renderer what is wanted, if that has changed.
-    pub fn sync(&mut self) {
-        let size = if self.fill { self.place } else { [self.options.width, self.options.height] };
-        self.options = Options { width: size[0].max(1), height: size[1].max(1), ..self.options };
-        let view = self.opened.as_ref().zip(self.camera).map(|(opened, camera)| View {
-            opening: opened.opening,
-            options: self.options,
-            lights: self.lights,
-            camera,
-        });
-        // Both are rendered where they can be flipped between.
-        let wanted = |side: usize| {
-            (self.kept.split || self.look.alone.is_some() || self.shows(side)).then_some(self.sides[side].settings)
-        };
-        let next = Wanted {
-            scene: self.source.clone(),
-            view,
-            sides: [wanted(0), wanted(1)],
-            frames: FRAMES,
-            reference: self.kept.reference,
-            paused: self.hidden,
-            quit: false,
-        };
-        self.threads.want(next);
     }
 
     /// Opens a scene in place of the present one, which stays if that fails.
@@ -277,10 +267,12 @@ impl App {
 
     /// Remembers.
     pub fn save(&mut self) {
-        self.kept.settings = [self.sides[0].settings, self.sides[1].settings];
+        self.kept.settings = [0, 1].map(|side| self.sides[side].recipe.settings);
+        self.kept.makers = [0, 1].map(|side| self.sides[side].recipe.maker);
         self.kept.m = self.options.m;
         self.kept.stall = self.lights.stall;
-        self.kept.size = (!self.fill).then_some([self.options.width, self.options.height]);
+        self.kept.fill = self.fill.filter(|_| self.fill != self.usual_fill);
+        self.kept.size = self.fill.is_none().then_some([self.options.width, self.options.height]);
         if let Some(path) = self.kept_at.clone()
             && let Err(e) = self.kept.save(&path)
         {
@@ -290,7 +282,7 @@ impl App {
 
     /// Sets one control of a side, as its widget does. An error says what the library has against it.
     pub fn set(&mut self, side: usize, path: &str, value: serde_json::Value) -> Result<(), String> {
-        let settings = controls::with(&self.sides[side].settings, path, value)?;
+        let settings = controls::with(&self.sides[side].recipe.settings, path, value)?;
         self.sides[side].set(settings, path);
         Ok(())
     }

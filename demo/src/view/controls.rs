@@ -2,9 +2,10 @@
 //!
 //! The tests hold that every setting has a control and that every control takes what the library takes.
 
-use deferred_aa::{SETTINGS_SOURCE, SettingRange, Settings, Technique};
+use deferred_aa::{SETTINGS_SOURCE, SettingRange, SettingScale, Settings, Technique};
 use serde_json::Value;
 use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
 use std::sync::OnceLock;
 
 /// The control of one setting.
@@ -38,6 +39,19 @@ pub enum Kind {
 /// The range of the number at this path.
 pub fn range(path: &str) -> Option<SettingRange> {
     Settings::RANGES.iter().find(|range| range.path == path).copied()
+}
+
+/// The part of a range that a slider spans: up to a hundred times the default where the range spans many magnitudes.
+/// What lies beyond can be typed.
+pub fn useful(range: &SettingRange, default: f64) -> RangeInclusive<f64> {
+    let (least, most) = (f64::from(range.least), f64::from(range.most));
+    if range.scale != SettingScale::Logarithmic || most <= 10.0 {
+        return least..=most;
+    }
+    let wanted = if default > 0.0 { default * 100.0 } else { 100.0 };
+    // A number that is easily read.
+    let wanted = 10f64.powf(wanted.log10().ceil());
+    least..=wanted.clamp(1.0, most)
 }
 
 /// All controls, in the order of the library's fields.
@@ -198,7 +212,6 @@ fn plain(doc: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use deferred_aa::SettingScale;
     use serde_json::json;
 
     fn leaves(tree: &Value, prefix: &str, found: &mut Vec<String>) {
@@ -226,6 +239,22 @@ mod tests {
         settings.sort();
         assert_eq!(controls, settings);
         assert!(settings.len() > 60, "{}", settings.len());
+    }
+
+    #[test]
+    fn sliders_span_what_is_useful() {
+        let defaults = serde_json::to_value(Settings::default()).unwrap();
+        for c in all() {
+            let Kind::Slider(range) = &c.kind else { continue };
+            let default = defaults.pointer(&pointer(&c.path)).and_then(Value::as_f64).unwrap();
+            let useful = useful(range, default);
+            assert!(useful.contains(&default), "{}: {default} in {useful:?}", c.path);
+            assert!(*useful.start() >= f64::from(range.least) && *useful.end() <= f64::from(range.most), "{}", c.path);
+        }
+        let depth = range("windowed.depth_scale").unwrap();
+        assert_eq!(useful(&depth, 4000.0), 0.0..=f64::from(depth.most).min(1e6));
+        let luminance = range("windowed.luminance_scale").unwrap();
+        assert_eq!(*useful(&luminance, 72.0).end(), f64::from(luminance.most).min(1e4));
     }
 
     #[test]

@@ -5,19 +5,20 @@
 
 mod app;
 mod controls;
-mod cost_panel;
 mod input;
 mod judge;
-mod picture_panel;
+mod panels;
+mod picture;
 mod priority;
 mod renderer;
 mod report_process;
 mod rust_source;
-mod settings_panel;
 mod state;
+#[cfg(test)]
+mod tests;
 mod threads;
 mod tour;
-mod ui;
+mod wants;
 mod window;
 
 pub use app::Start;

@@ -103,7 +103,9 @@ struct Shell {
 
 impl Shell {
     fn open(&mut self, event_loop: &ActiveEventLoop, start: Start) -> Result<Shown, ViewError> {
-        let [width, height] = start.kept.window;
+        let monitor = event_loop.primary_monitor().or_else(|| event_loop.available_monitors().next());
+        let room = monitor.map(|monitor| monitor.size().to_logical::<f32>(monitor.scale_factor()).into());
+        let [width, height] = opening(start.kept.window, room);
         let attributes = Window::default_attributes()
             .with_title("deferred-aa")
             .with_inner_size(LogicalSize::new(width, height))
@@ -260,9 +262,25 @@ impl ApplicationHandler<Wake> for Shell {
     }
 }
 
+/// The size of a new window in points: as it is remembered, but no larger than its screen, where that is known.
+fn opening(kept: [f32; 2], screen: Option<[f32; 2]>) -> [f32; 2] {
+    let Some(screen) = screen.filter(|screen| screen.iter().all(|side| *side >= 1.0)) else { return kept };
+    // A desktop has bars and a window has a frame.
+    [kept[0].min(screen[0] * 0.98), kept[1].min(screen[1] * 0.92)]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_window_opens_no_larger_than_its_screen() {
+        assert_eq!(opening([1440.0, 900.0], Some([800.0, 500.0])), [784.0, 460.0]);
+        assert_eq!(opening([1440.0, 900.0], Some([2560.0, 1440.0])), [1440.0, 900.0]);
+        for unknown in [None, Some([0.0, 0.0])] {
+            assert_eq!(opening([1440.0, 900.0], unknown), [1440.0, 900.0]);
+        }
+    }
 
     #[test]
     fn an_error_is_one_line_without_the_place_in_a_library() {

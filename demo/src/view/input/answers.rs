@@ -5,6 +5,7 @@ use crate::host::Options;
 use crate::scene::{Camera, Lens};
 use crate::settings_file::{self, SettingsFileError};
 use crate::view::app::App;
+use crate::view::renderer::Recipe;
 use crate::view::report_process::Report;
 use egui::{Context, Ui};
 use std::path::Path;
@@ -19,12 +20,12 @@ impl App {
             Answer::Closed => {}
             Answer::Open(name) => self.open(&name),
             Answer::SaveSettings(path) => {
-                let saved = settings_file::save(&path, &self.sides[self.edited].settings);
+                let saved = settings_file::save(&path, &self.sides[self.edited].recipe.settings);
                 self.said(saved.map(|()| format!("saved {}", path.display())));
             }
             Answer::LoadSettings(path) => match settings_file::load(&path) {
                 Ok(settings) => {
-                    self.sides[self.edited].set(settings, "file");
+                    self.sides[self.edited].take(Recipe::node(settings), "file");
                     self.say(format!("loaded {}", path.display()));
                 }
                 Err(e) => self.said::<SettingsFileError>(Err(e)),

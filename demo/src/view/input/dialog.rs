@@ -2,6 +2,7 @@
 //! services, which a bare X server has not.
 
 use crate::scene::builtin;
+use crate::view::panels::labelled;
 use egui::{Align2, Context, Key, Ui};
 use std::path::{Path, PathBuf};
 
@@ -87,19 +88,22 @@ pub fn report() -> Dialog {
 }
 
 /// What keys do.
-const KEYS: [(&str, &str); 20] = [
+const KEYS: [(&str, &str); 23] = [
     ("W A S D, Q E", "fly; with Shift faster"),
     ("drag on the picture", "look around"),
     ("wheel", "fly ahead and back; with Ctrl narrow or widen the view"),
     ("Home", "the scene's own view"),
-    ("F", "freeze the camera"),
+    ("Alt+drag, O", "turn around what is looked at; O: every drag does, or none"),
+    ("F", "frame the object under the pointer"),
+    ("L", "lock the camera"),
     ("Space", "flip between the sides"),
     ("B", "both sides with a divider, or one"),
     ("[ ]", "move the divider"),
     ("arrows, right drag", "move a picture that is larger than its place"),
     ("Z", "magnifier"),
     ("X", "where the picture is wrong"),
-    ("P", "without the panels, or with them"),
+    ("P", "without the panel, or with it"),
+    ("T", "without the buttons over the picture, or with them"),
     ("1 2 3", "image, samples, what decided them"),
     ("Ctrl+O", "open a scene"),
     ("Ctrl+S", "save the settings"),
@@ -124,7 +128,7 @@ impl Dialog {
         let shown = window.anchor(Align2::CENTER_CENTER, [0.0, 0.0]).show(ctx, |ui| match self {
             Self::File(dialog) => dialog.show(ui),
             Self::Trouble(_, why) => {
-                ui.set_max_width(520.0);
+                ui.set_max_width(520f32.min(ui.ctx().content_rect().width() - 40.0));
                 ui.label(why.as_str());
                 let close = ui.button("Close");
                 close.request_focus();
@@ -133,13 +137,10 @@ impl Dialog {
             Self::Keys => {
                 let room = (ui.ctx().content_rect().height() - 80.0).max(100.0);
                 egui::ScrollArea::vertical().max_height(room).show(ui, |ui| {
-                    egui::Grid::new("keys").num_columns(2).show(ui, |ui| {
-                        for (key, what) in KEYS {
-                            ui.strong(key);
-                            ui.label(what);
-                            ui.end_row();
-                        }
-                    });
+                    ui.set_width(460f32.min(ui.ctx().content_rect().width() - 40.0));
+                    for (key, what) in KEYS {
+                        labelled(ui, key, |ui| ui.add(egui::Label::new(what).wrap()));
+                    }
                 });
                 Answer::None
             }
@@ -170,7 +171,7 @@ impl FileDialog {
     }
 
     fn show(&mut self, ui: &mut Ui) -> Answer {
-        ui.set_min_width(520.0);
+        ui.set_width(520f32.min(ui.ctx().content_rect().width() - 40.0));
         if self.purpose == Purpose::Open {
             ui.label("Built in:");
             let mut chosen = None;

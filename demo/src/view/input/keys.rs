@@ -3,7 +3,7 @@
 use super::dialog::{self, Dialog};
 use super::fly;
 use crate::view::app::App;
-use deferred_aa::{DebugView, Settings};
+use deferred_aa::DebugView;
 use egui::{Context, Key, Modifiers, Ui};
 use glam::Vec3;
 
@@ -41,14 +41,10 @@ impl App {
             return;
         }
         if pressed(Modifiers::NONE, Key::Space) {
-            self.look.alone = match self.look.alone {
-                Some(side) => Some(1 - side),
-                None => Some(1 - self.edited),
-            };
+            self.flip();
         }
         if pressed(Modifiers::NONE, Key::B) {
-            self.look.alone = None;
-            self.kept.split = !self.kept.split;
+            self.toggle_split();
         }
         for (key, by) in [(Key::OpenBracket, -0.02), (Key::CloseBracket, 0.02)] {
             if pressed(Modifiers::NONE, key) {
@@ -66,7 +62,9 @@ impl App {
             }
         }
         let switches = [
-            (Key::F, &mut self.look.frozen),
+            (Key::L, &mut self.look.frozen),
+            (Key::T, &mut self.look.buttons),
+            (Key::O, &mut self.look.orbit),
             (Key::Z, &mut self.look.magnify),
             (Key::X, &mut self.look.show_error),
             (Key::P, &mut self.look.panels),
@@ -80,9 +78,11 @@ impl App {
             [(Key::Num1, DebugView::Image), (Key::Num2, DebugView::Count), (Key::Num3, DebugView::Decided)]
         {
             if pressed(Modifiers::NONE, key) {
-                let settings = Settings { view, ..self.sides[self.edited].settings };
-                self.sides[self.edited].set(settings, "view");
+                self.show_view(view);
             }
+        }
+        if pressed(Modifiers::NONE, Key::F) {
+            self.frame_object(ctx.pointer_hover_pos());
         }
         if pressed(Modifiers::NONE, Key::Home) {
             self.camera = self.opened.as_ref().and_then(|opened| opened.cameras.first().copied());
@@ -101,7 +101,7 @@ impl App {
             if plain { way * seconds * if i.modifiers.shift { 4.0 } else { 1.0 } } else { Vec3::ZERO }
         });
         if way != Vec3::ZERO {
-            self.camera = Some(fly::moved(camera, way * opened.radius * 0.25));
+            self.camera = Some(fly::moved(camera, way * opened.radius() * 0.25));
             ctx.request_repaint();
         }
     }

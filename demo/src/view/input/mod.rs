@@ -1,5 +1,6 @@
 //! What the user does: keys, flying, dialogs and their answers.
 
+mod actions;
 mod answers;
 pub mod dialog;
 pub mod fly;

@@ -1,10 +1,11 @@
 //! What the renderer says.
 
+use super::recipe::Recipe;
 use super::wanted::{Source, View};
 use crate::host::{Options, Sent, Shot};
 use crate::measure::stats::Stats;
 use crate::picture::Picture;
-use crate::scene::{Camera, Sun};
+use crate::scene::{Bounds, Camera, Sun};
 use deferred_aa::{Pass, PassKind, PlanWord, Settings};
 use std::sync::Arc;
 
@@ -13,8 +14,8 @@ use std::sync::Arc;
 pub struct Rendered {
     /// The view that it shows.
     pub view: Arc<View>,
-    /// The settings that it was rendered with.
-    pub settings: Settings,
+    /// What it was made by.
+    pub recipe: Recipe,
     /// The picture in the target.
     pub picture: Arc<Picture>,
     /// What is compared: the picture, or where a debug view is shown, the picture that it is of.
@@ -38,11 +39,13 @@ pub enum Event {
     /// The picture of a side is there.
     Picture(usize, Box<Rendered>),
     /// One more frame of a side was measured.
-    Measured(usize, Arc<View>, Settings, Shot),
+    Measured(usize, Arc<View>, Recipe, Shot),
     /// The rays that each sample of a side's picture sent, as [`Host::sent`](crate::host::Host::sent) has them.
-    Sent(usize, Arc<View>, Settings, Arc<Vec<Sent>>),
+    Sent(usize, Arc<View>, Recipe, Arc<Vec<Sent>>),
     /// A side's settings were refused; its last picture stays.
-    Refused(usize, Settings, String),
+    Refused(usize, Recipe, String),
+    /// One frame of full supersampling, from the reference of this view.
+    Full(Arc<View>, Shot),
     /// Frames of the reference that are done, of all.
     Progress(u32, u32),
     /// The reference is there.
@@ -66,8 +69,10 @@ pub struct Opened {
     pub source: Source,
     /// Its views, the default one first.
     pub cameras: Vec<Camera>,
-    /// Half the diagonal of its bounding box, in metres.
-    pub radius: f32,
+    /// A box around all of it; none around nothing.
+    pub bounds: Option<Bounds>,
+    /// A box around each of its objects.
+    pub objects: Vec<Bounds>,
     /// Number of lights without the sun.
     pub lights: u32,
     /// Its sun.
@@ -79,6 +84,13 @@ pub struct Opened {
     /// The device that renders.
     #[cfg(test)]
     pub device: wgpu::Device,
+}
+
+impl Opened {
+    /// Half the diagonal of the scene's box, in metres.
+    pub fn radius(&self) -> f32 {
+        self.bounds.map_or(1.0, |bounds| bounds.radius())
+    }
 }
 
 /// The adapter that renders, and what it lacks.

@@ -5,6 +5,8 @@
 //! thing that is missing, one frame at a time. So nothing queues up while a slider moves.
 
 mod event;
+mod frames;
+mod recipe;
 mod shared;
 mod slices;
 mod stage;
@@ -13,5 +15,6 @@ mod wanted;
 mod worker;
 
 pub use event::{Event, Opened, Rendered, casts};
-pub use wanted::{Lights, Reference, Source, View, Wanted, is_image, same, to_sun};
+pub use recipe::{Maker, Recipe};
+pub use wanted::{Lights, Reference, Source, View, Wanted, same, to_sun};
 pub use worker::Worker;

@@ -2,7 +2,7 @@
 
 use super::wanted::{Reference, View};
 use crate::host::raster::node_camera;
-use crate::host::{Host, HostError};
+use crate::host::{Host, HostError, Shot};
 use crate::measure::reference::MovedFrames;
 use crate::picture::Picture;
 use deferred_aa::Settings;
@@ -20,21 +20,28 @@ pub struct Which {
 #[derive(Default)]
 pub struct Slices {
     under_way: Option<(Which, MovedFrames)>,
-    finished: Option<Which>,
+    finished: Option<(Which, Option<Made>)>,
+}
+
+/// A reference, and the last one of its frames.
+#[derive(Clone)]
+pub struct Made {
+    pub picture: Arc<Picture>,
+    pub shot: Shot,
 }
 
 /// What one more frame of a reference came to.
 pub enum Slice {
     /// Frames that are done, of all.
-    Part(u32, u32),
+    Part(u32, u32, Shot),
     /// The last frame, of so many.
-    Last(u32, Picture),
+    Last(u32, Made),
 }
 
 impl Slices {
     /// Whether frames of this reference are still to be rendered.
     pub fn owe(&self, which: &Which) -> bool {
-        which.kind.side(which.view.options.m).is_some() && self.finished.as_ref() != Some(which)
+        which.kind.side(which.view.options.m).is_some() && self.finished.as_ref().map(|(of, _)| of) != Some(which)
     }
 
     /// Renders one more frame of a reference, from the first one on if another reference was under way.
@@ -48,20 +55,25 @@ impl Slices {
             }
         };
         let moved = frames.moved(node_camera(&which.view.camera, width, height));
-        host.frame_with(moved, which.settings)?;
+        let shot = host.frame_with(moved, which.settings)?;
         frames.add(&host.picture());
         let (done, all) = frames.progress();
         if done < all {
-            return Ok(Slice::Part(done, all));
+            return Ok(Slice::Part(done, all, shot));
         }
-        let picture = frames.mean();
-        self.finish(which.clone());
-        Ok(Slice::Last(all, picture))
+        let made = Made { picture: Arc::new(frames.mean()), shot };
+        self.finish(which.clone(), Some(made.clone()));
+        Ok(Slice::Last(all, made))
     }
 
     /// Asks for no more of this reference.
-    pub fn finish(&mut self, which: Which) {
+    pub fn finish(&mut self, which: Which, made: Option<Made>) {
         self.under_way = None;
-        self.finished = Some(which);
+        self.finished = Some((which, made));
+    }
+
+    /// This reference, once it is there.
+    pub fn made(&self, which: &Which) -> Option<Made> {
+        self.finished.as_ref().filter(|(of, _)| of == which).and_then(|(_, made)| made.clone())
     }
 }

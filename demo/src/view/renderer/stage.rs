@@ -4,9 +4,11 @@ use super::event::{Adapter, Opened};
 use super::wanted::{Lights, Source};
 use crate::host::gpu::{self, Gpu};
 use crate::host::{self, Host, Options};
-use crate::scene::{Scene, Sun};
+use crate::scene::{Bounds, Scene, Sun};
 use deferred_aa::rays::RayTier;
 use deferred_aa::{DeferredAa, GBufferTier, TextureTier};
+use glam::Vec3;
+use std::collections::BTreeMap;
 
 /// The host, once there is one.
 pub struct Stage {
@@ -60,7 +62,8 @@ impl Stage {
             opening,
             source: source.clone(),
             cameras: std::iter::once(own).chain(others).collect(),
-            radius: host.scene.bounds().map_or(1.0, |b| b.radius()),
+            bounds: host.scene.bounds(),
+            objects: objects(&host.scene),
             lights: host.uploaded.light_count,
             sun: own_sun,
             notices,
@@ -82,6 +85,18 @@ impl Stage {
             self.lights = Some(lights);
         }
     }
+}
+
+/// A box in the world around each object.
+fn objects(scene: &Scene) -> Vec<Bounds> {
+    let meshes: Vec<_> = scene.meshes.iter().map(|mesh| Bounds::around(mesh.positions.iter().copied())).collect();
+    let mut objects: BTreeMap<u32, Vec<Vec3>> = BTreeMap::new();
+    for instance in &scene.instances {
+        let Some(bounds) = meshes[instance.mesh] else { continue };
+        let corners = bounds.corners().map(|corner| instance.world_from_mesh.transform_point3(corner));
+        objects.entry(instance.object.into()).or_default().extend(corners.into_iter().filter(|c| c.is_finite()));
+    }
+    objects.into_values().filter_map(Bounds::around).collect()
 }
 
 fn about(gpu: &Gpu) -> Adapter {

@@ -1,42 +1,47 @@
 //! The renderer's thread: compares what is wanted with what it has, and does the most urgent thing that is missing.
 
-use super::event::{Event, Rendered, casts};
+use super::event::Event;
+use super::recipe::{Maker, Recipe};
 use super::shared::Shared;
-use super::slices::{Slice, Slices, Which};
+use super::slices::{Slices, Which};
 use super::stage::Stage;
-use super::wanted::{Reference, Source, View, Wanted, same};
+use super::wanted::{Source, View, Wanted, same};
 use crate::host::{Host, HostError, Options};
 use crate::measure::reference;
-use crate::measure::stats::Stats;
+use crate::peers::Peers;
 use crate::scene::open::open;
-use deferred_aa::{DebugView, PlanWord, Settings, Technique};
 use std::sync::{Arc, PoisonError};
 
 /// The state of a side.
-struct Side {
-    view: Arc<View>,
-    settings: Settings,
-    measured: u32,
+pub struct Side {
+    pub view: Arc<View>,
+    pub recipe: Recipe,
+    /// The reference, where that is what it shows.
+    pub which: Option<Which>,
+    pub measured: u32,
     /// Whether its frame casts rays and it has not been said yet which sample sends them.
-    owes_rays: bool,
+    pub owes_rays: bool,
 }
 
 /// The renderer's state.
 pub struct Renderer {
     shared: Arc<Shared>,
-    say: Box<dyn Fn(Event)>,
-    stage: Stage,
+    pub(super) say: Box<dyn Fn(Event)>,
+    pub(super) stage: Stage,
     /// The number of the host's scene, and that of the last one that was tried.
     opening: u64,
     tried: u64,
     /// Options that could not be had, so that they are not tried again and again.
     refused: Option<Options>,
-    sides: [Option<Side>; 2],
+    pub(super) sides: [Option<Side>; 2],
     /// The view whose G-buffer is there.
-    filled: Option<Arc<View>>,
-    slices: Slices,
+    pub(super) filled: Option<Arc<View>>,
+    pub(super) slices: Slices,
+    /// Frames of full supersampling that are still to be measured, beyond those of the reference.
+    pub(super) fulls: u32,
+    pub(super) peers: Option<Peers>,
     busy: &'static str,
-    recoveries: u32,
+    pub(super) recoveries: u32,
 }
 
 /// How often a device may be lost once more without a frame between.
@@ -55,6 +60,8 @@ impl Renderer {
             sides: [None, None],
             filled: None,
             slices: Slices::default(),
+            fulls: 0,
+            peers: None,
             busy: "",
             recoveries: 0,
         }
@@ -87,7 +94,7 @@ impl Renderer {
         }
     }
 
-    fn busy(&mut self, with: &'static str) {
+    pub(super) fn busy(&mut self, with: &'static str) {
         if self.busy != with {
             self.busy = with;
             (self.say)(Event::Busy(with));
@@ -121,16 +128,28 @@ impl Renderer {
             Some(filled) if **filled == view => filled.clone(),
             _ => Arc::new(view),
         };
+        let base = wanted.sides[0].or(wanted.sides[1]).map(|recipe| recipe.settings).unwrap_or_default();
+        let which = Which { view: view.clone(), settings: reference::truth(base), kind: wanted.reference };
         for side in 0..2 {
-            let Some(settings) = wanted.sides[side] else { continue };
-            let has = self.sides[side].as_ref().is_some_and(|s| *s.view == *view && s.settings == settings);
-            if !has {
-                self.render(side, view, settings)?;
+            let Some(recipe) = wanted.sides[side] else { continue };
+            let own = self.sides[side].as_ref().filter(|s| *s.view == *view && s.recipe == recipe);
+            if recipe.maker == Maker::Reference {
+                if own.is_none_or(|s| s.which.as_ref() != Some(&which))
+                    && let Some(made) = self.slices.made(&which)
+                {
+                    self.show_reference(side, which, recipe, made);
+                    return Ok(true);
+                }
+            } else if own.is_none() {
+                self.render(side, view, recipe)?;
                 return Ok(true);
             }
         }
         // The sides in turn, so that they are measured alike.
-        let measures = |side: &usize| wanted.sides[*side].is_some() && self.measured(*side) < wanted.frames;
+        let measures = |side: &usize| {
+            let rendered = wanted.sides[*side].is_some_and(|recipe| recipe.maker != Maker::Reference);
+            rendered && self.measured(*side) < wanted.frames
+        };
         if let Some(side) = (0..2).filter(measures).min_by_key(|&side| self.measured(side)) {
             self.busy("measuring");
             self.measure(side)?;
@@ -143,8 +162,10 @@ impl Renderer {
             self.count_rays(side)?;
             return Ok(true);
         }
-        let Some(base) = wanted.sides[0].or(wanted.sides[1]) else { return Ok(false) };
-        self.slice(view, reference::truth(base), wanted.reference)
+        if wanted.sides == [None, None] {
+            return Ok(false);
+        }
+        self.slice(which)
     }
 
     fn measured(&self, side: usize) -> u32 {
@@ -185,6 +206,7 @@ impl Renderer {
         self.sides = [None, None];
         self.filled = None;
         self.slices = Slices::default();
+        self.peers = None;
     }
 
     fn rebuild(&mut self, options: Options) -> Result<(), String> {
@@ -214,99 +236,6 @@ impl Renderer {
         Ok(())
     }
 
-    fn render(&mut self, side: usize, view: Arc<View>, settings: Settings) -> Result<(), String> {
-        let ready = self.stage.host.as_ref().is_some_and(|host| host.is_ready(settings));
-        self.busy(if ready { "rendering" } else { "compiling" });
-        let fresh = self.filled.as_ref().is_none_or(|filled| *filled != view);
-        let Some(host) = &mut self.stage.host else { return Ok(()) };
-        let shot = if fresh { host.frame(&view.camera, settings) } else { host.shade_again(&view.camera, settings) };
-        self.sides[side] = Some(Side { view: view.clone(), settings, measured: 0, owes_rays: false });
-        let shot = match shot.map_err(lost_or) {
-            Ok(shot) => shot,
-            Err(e) => {
-                (self.say)(Event::Refused(side, settings, e?));
-                return Ok(());
-            }
-        };
-        self.filled = Some(view.clone());
-        self.recoveries = 0;
-        if let Some(own) = &mut self.sides[side] {
-            own.owes_rays = settings.goal.is_none() && casts(&shot) != [false; 2];
-        }
-        let rendered = Rendered {
-            picture: Arc::new(host.picture()),
-            plan: Arc::new(match settings.technique {
-                Technique::Full | Technique::Single => Vec::new(),
-                // Its plan is of rays alone.
-                Technique::Surfaces => host.counts(settings.technique).into_iter().map(PlanWord).collect(),
-                _ => host.plan(),
-            }),
-            stats: Stats::new(host, settings, std::slice::from_ref(&shot), None).map(Arc::new),
-            passes: [host.passes(&settings), host.passes(&every_effect(settings))],
-            view,
-            settings,
-            shot,
-        };
-        (self.say)(Event::Picture(side, Box::new(rendered)));
-        Ok(())
-    }
-
-    fn measure(&mut self, side: usize) -> Result<(), String> {
-        let (Some(host), Some(own)) = (&mut self.stage.host, &mut self.sides[side]) else { return Ok(()) };
-        own.measured += 1;
-        // With its G-buffer, whose time counts too.
-        match host.frame(&own.view.camera, own.settings) {
-            Ok(shot) => (self.say)(Event::Measured(side, own.view.clone(), own.settings, shot)),
-            // What was refused has been said with the picture.
-            Err(e) => drop(lost_or(e)?),
-        }
-        Ok(())
-    }
-
-    /// Renders the same frame once more with its rays shown, and so written down.
-    fn count_rays(&mut self, side: usize) -> Result<(), String> {
-        let (Some(host), Some(own)) = (&mut self.stage.host, &mut self.sides[side]) else { return Ok(()) };
-        own.owes_rays = false;
-        let settings = Settings { view: DebugView::Rays, ..own.settings };
-        let fresh = self.filled.as_ref() != Some(&own.view);
-        let camera = &own.view.camera;
-        let shot = if fresh { host.frame(camera, settings) } else { host.shade_again(camera, settings) };
-        match shot {
-            Ok(shot) => {
-                self.filled = Some(own.view.clone());
-                let sent = Arc::new(host.sent(casts(&shot)));
-                (self.say)(Event::Sent(side, own.view.clone(), own.settings, sent));
-            }
-            // Twice the memory may be too much; the picture is there.
-            Err(e) => drop(lost_or(e)?),
-        }
-        Ok(())
-    }
-
-    /// Renders one more frame of the reference; whether there was one to render.
-    fn slice(&mut self, view: Arc<View>, settings: Settings, kind: Reference) -> Result<bool, String> {
-        let which = Which { view, settings, kind };
-        if !self.slices.owe(&which) {
-            return Ok(false);
-        }
-        self.busy("computing the reference");
-        let Some(host) = &mut self.stage.host else { return Ok(false) };
-        self.filled = None;
-        match self.slices.render(host, &which).map_err(lost_or) {
-            Ok(Slice::Part(done, all)) => (self.say)(Event::Progress(done, all)),
-            Ok(Slice::Last(all, picture)) => {
-                (self.say)(Event::Progress(all, all));
-                (self.say)(Event::Reference(which.view, settings, Arc::new(picture)));
-            }
-            Err(e) => {
-                let e = e?;
-                self.slices.finish(which);
-                (self.say)(Event::Refused(0, settings, format!("the reference: {e}")));
-            }
-        }
-        Ok(true)
-    }
-
     /// Builds a device in place of one that is lost.
     fn recover(&mut self, lost: &str) -> Result<(), String> {
         self.recoveries += 1;
@@ -322,14 +251,8 @@ impl Renderer {
     }
 }
 
-/// The settings that would be recorded if the scene called for every effect.
-fn every_effect(settings: Settings) -> Settings {
-    use deferred_aa::Effect::On;
-    Settings { shadows: On, reflections: On, refraction: On, ..settings }
-}
-
 /// The message of an error; a lost device is an error of the step.
-fn lost_or(e: HostError) -> Result<String, String> {
+pub fn lost_or(e: HostError) -> Result<String, String> {
     if e.is_loss() { Err(e.to_string()) } else { Ok(e.to_string()) }
 }
 
@@ -347,7 +270,7 @@ mod tests {
             view: None,
             sides: [None, None],
             frames: 0,
-            reference: Reference::Off,
+            reference: Default::default(),
             paused: false,
             quit: false,
         };

@@ -1,8 +1,8 @@
 //! What the window wants from the renderer.
 
+use super::recipe::Recipe;
 use crate::host::Options;
 use crate::scene::{Camera, Sun};
-use deferred_aa::{DebugView, Settings};
 use glam::Vec3;
 
 /// A scene as [`open`](crate::scene::open::open) takes it.
@@ -90,8 +90,8 @@ pub struct Wanted {
     pub scene: (Source, u64),
     /// What to look at, once the scene is open.
     pub view: Option<View>,
-    /// The settings on either side of the divider.
-    pub sides: [Option<Settings>; 2],
+    /// What makes the pictures on either side of the divider.
+    pub sides: [Option<Recipe>; 2],
     /// How many frames of each side to measure.
     pub frames: u32,
     /// The reference that they are held against.
@@ -112,9 +112,4 @@ pub fn same(a: &Wanted, b: &Wanted) -> bool {
 pub fn to_sun(azimuth: f32, elevation: f32) -> Vec3 {
     let (a, e) = (azimuth.to_radians(), elevation.to_radians());
     Vec3::new(a.cos() * e.cos(), e.sin(), a.sin() * e.cos())
-}
-
-/// Whether settings show the image and not a debug view, which is nothing to judge.
-pub fn is_image(settings: &Settings) -> bool {
-    settings.view == DebugView::Image
 }

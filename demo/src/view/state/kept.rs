@@ -1,7 +1,7 @@
 //! What the viewer remembers from one start to the next.
 
 use crate::files;
-use crate::view::renderer::{Lights, Reference};
+use crate::view::renderer::{Lights, Maker, Recipe, Reference};
 use deferred_aa::Settings;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -9,9 +9,12 @@ use std::path::{Path, PathBuf};
 /// The version of the files that are written. Files of another version are not read, and the viewer starts afresh.
 const VERSION: u32 = 1;
 
+/// The most scenes that are remembered.
+const MOST_RECENT: usize = 8;
+
 /// All that is remembered.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(default, deny_unknown_fields)]
 pub struct Kept {
     version: u32,
     /// Size of the window, in points.
@@ -20,12 +23,16 @@ pub struct Kept {
     pub zoom: f32,
     /// Whether the theme is dark; if not given, it is that of the system.
     pub dark: Option<bool>,
-    /// Pixels of the picture; if not given, it is as large as its place in the window.
+    /// Pixels of the picture; if not given, it matches the window's size.
     pub size: Option<[u32; 2]>,
+    /// Screen pixels along a side of a picture's pixel, where the picture matches the window's size.
+    pub fill: Option<u32>,
     /// Samples along one side of a window.
     pub m: u32,
     /// The settings of the sides.
     pub settings: [Settings; 2],
+    /// Who makes the pictures of the sides.
+    pub makers: [Maker; 2],
     /// Whether both sides are shown.
     pub split: bool,
     /// The place of the divider, as a share of the picture's width.
@@ -34,6 +41,8 @@ pub struct Kept {
     pub reference: Reference,
     /// How often the light loop runs.
     pub stall: u32,
+    /// The scenes that were opened last, the newest first.
+    pub recent: Vec<String>,
 }
 
 impl Default for Kept {
@@ -45,17 +54,35 @@ impl Default for Kept {
             zoom: 1.0,
             dark: None,
             size: None,
+            fill: None,
             m: 4,
             settings: [Settings::default(), single],
+            makers: [Maker::Node; 2],
             split: true,
             divider: 0.5,
             reference: Reference::Grid,
             stall: 1,
+            recent: Vec::new(),
         }
     }
 }
 
 impl Kept {
+    /// Remembers a scene that was opened: a file by its whole path.
+    pub fn remember(&mut self, scene: &str) {
+        let path = Path::new(scene);
+        let whole = if path.is_file() { std::path::absolute(path).ok() } else { None };
+        let name = whole.map_or(scene.to_owned(), |path| path.display().to_string());
+        self.recent.retain(|other| *other != name);
+        self.recent.insert(0, name);
+        self.recent.truncate(MOST_RECENT);
+    }
+
+    /// The recipes of the sides as they are remembered.
+    pub fn recipes(&self) -> [Recipe; 2] {
+        [0, 1].map(|side| Recipe { maker: self.makers[side], settings: self.settings[side] })
+    }
+
     /// The lights as they are remembered.
     pub fn lights(&self) -> Lights {
         Lights { stall: self.stall, count: u32::MAX, sun: None }
@@ -84,6 +111,7 @@ impl Kept {
             && (0.0..=1.0).contains(&self.divider)
             && self.window.iter().all(|side| (100.0..=20_000.0).contains(side))
             && sizes.iter().all(|side| (1..=16_384).contains(side))
+            && self.fill.is_none_or(|coarse| (1..=8).contains(&coarse))
             && self.stall >= 1;
         if sound { Ok(self) } else { Err("holds a value that is out of range".to_owned()) }
     }
@@ -115,6 +143,15 @@ mod tests {
     use super::*;
 
     #[test]
+    fn the_last_scenes_are_remembered_once_each() {
+        let mut kept = Kept::default();
+        (0..20).for_each(|i| kept.remember(["flat", "empty", "atrium"][i % 3]));
+        assert_eq!(kept.recent, ["empty", "flat", "atrium"]);
+        (0..20).for_each(|i| kept.remember(&i.to_string()));
+        assert_eq!((kept.recent.len(), kept.recent[0].as_str()), (MOST_RECENT, "19"));
+    }
+
+    #[test]
     fn what_is_kept_comes_back_and_what_is_broken_is_named() {
         let folder = std::env::temp_dir().join(format!("deferred-aa-kept-{}", std::process::id()));
         let path = folder.join("view.json");
@@ -132,6 +169,9 @@ mod tests {
             assert_eq!(found, Kept::default());
             assert!(why.unwrap().contains(part));
         }
+        // What an earlier program wrote has less in it.
+        std::fs::write(&path, r#"{"version": 1, "m": 3}"#).unwrap();
+        assert_eq!(Kept::load(&path), (Kept { m: 3, ..Kept::default() }, None));
         std::fs::write(&path, "{").unwrap();
         assert!(Kept::load(&path).1.is_some_and(|why| why.contains("starting afresh")));
         std::fs::remove_dir_all(folder).unwrap();

@@ -1,12 +1,13 @@
 //! One side of the divider: its settings, what it shows, what it cost.
 
+use super::tone::Tone;
 use crate::host::{Sent, Shot};
 use crate::measure::quality::Quality;
 use crate::measure::stats::{Spread, times};
 use crate::view::judge::Verdict;
-use crate::view::renderer::{Rendered, View, is_image};
+use crate::view::renderer::{Recipe, Rendered, View};
 use deferred_aa::{Preset, Settings};
-use egui::{ColorImage, Context, TextureHandle, TextureOptions};
+use egui::{ColorImage, Context, TextureFilter, TextureHandle, TextureOptions};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -20,10 +21,10 @@ const MOST_SHOTS: usize = 64;
 /// One side of the divider.
 #[derive(Default)]
 pub struct Side {
-    /// The settings on the controls.
-    pub settings: Settings,
-    past: Vec<Settings>,
-    future: Vec<Settings>,
+    /// Who makes the picture, and the settings on the controls.
+    pub recipe: Recipe,
+    past: Vec<Recipe>,
+    future: Vec<Recipe>,
     last_change: Option<(String, Instant)>,
     /// The last picture.
     pub rendered: Option<Box<Rendered>>,
@@ -37,36 +38,43 @@ pub struct Side {
     pub refused: Option<String>,
     /// The picture as a texture.
     pub texture: Option<TextureHandle>,
+    /// The tone of that texture.
+    pub painted: Tone,
     /// Where the picture is wrong, as a texture.
     pub error: Option<TextureHandle>,
 }
 
 impl Side {
-    /// A side with these settings.
-    pub fn new(settings: Settings) -> Self {
-        Self { settings, ..Self::default() }
+    /// A side of this recipe.
+    pub fn new(recipe: Recipe) -> Self {
+        Self { recipe, ..Self::default() }
     }
 
     /// Changes the settings. `path` names the control, so that one drag of a slider is one step of undo.
     pub fn set(&mut self, settings: Settings, path: &str) {
-        if settings == self.settings {
+        self.take(Recipe { settings, ..self.recipe }, path);
+    }
+
+    /// Changes the settings and who makes the picture.
+    pub fn take(&mut self, recipe: Recipe, path: &str) {
+        if recipe == self.recipe {
             return;
         }
         let now = Instant::now();
         let goes_on = self.last_change.as_ref().is_some_and(|(last, at)| last == path && now - *at < ONE_STEP);
         if !goes_on {
-            self.past.push(self.settings);
+            self.past.push(self.recipe);
         }
         self.future.clear();
         self.last_change = Some((path.to_owned(), now));
-        self.settings = settings;
+        self.recipe = recipe;
         self.refused = None;
     }
 
     /// Takes back one step; whether there was one.
     pub fn undo(&mut self) -> bool {
         let Some(before) = self.past.pop() else { return false };
-        self.future.push(std::mem::replace(&mut self.settings, before));
+        self.future.push(std::mem::replace(&mut self.recipe, before));
         (self.last_change, self.refused) = (None, None);
         true
     }
@@ -74,7 +82,7 @@ impl Side {
     /// Does again one step that was taken back; whether there was one.
     pub fn redo(&mut self) -> bool {
         let Some(after) = self.future.pop() else { return false };
-        self.past.push(std::mem::replace(&mut self.settings, after));
+        self.past.push(std::mem::replace(&mut self.recipe, after));
         (self.last_change, self.refused) = (None, None);
         true
     }
@@ -90,38 +98,45 @@ impl Side {
     }
 
     /// Shows a new picture.
-    pub fn show(&mut self, ctx: &Context, name: &str, rendered: Box<Rendered>) {
-        let size = [rendered.picture.width as usize, rendered.picture.height as usize];
-        let is_image = is_image(&rendered.settings);
-        let rgb: Vec<u8> = if is_image {
-            rendered.picture.to_srgb8().into_iter().flatten().collect()
-        } else {
-            // A debug view is made of displayable values.
-            let shown = |c: &[f32; 4]| [c[0], c[1], c[2]].map(|v| (v.clamp(0.0, 1.0) * 255.0 + 0.5) as u8);
-            rendered.picture.rgba.iter().flat_map(shown).collect()
-        };
-        set_texture(&mut self.texture, ctx, name, ColorImage::from_rgb(size, &rgb));
+    pub fn show(&mut self, ctx: &Context, name: &str, tone: Tone, rendered: Box<Rendered>) {
         self.shots = vec![rendered.shot.clone()];
         (self.quality, self.error, self.refused, self.sent) = (None, None, None, None);
         self.rendered = Some(rendered);
+        self.paint(ctx, name, tone);
+    }
+
+    /// Makes the texture of the picture, by this tone.
+    pub fn paint(&mut self, ctx: &Context, name: &str, tone: Tone) {
+        let Some(rendered) = &self.rendered else { return };
+        let picture = &rendered.picture;
+        let rgb: Vec<u8> = if rendered.recipe.is_image() {
+            picture.rgba.iter().flat_map(|&c| tone.shown(c)).collect()
+        } else {
+            // A debug view is made of displayable values.
+            let shown = |c: &[f32; 4]| [c[0], c[1], c[2]].map(|v| (v.clamp(0.0, 1.0) * 255.0 + 0.5) as u8);
+            picture.rgba.iter().flat_map(shown).collect()
+        };
+        let size = [picture.width as usize, picture.height as usize];
+        set_texture(&mut self.texture, ctx, name, ColorImage::from_rgb(size, &rgb));
+        self.painted = tone;
     }
 
     /// Adds one more frame of the picture that is shown.
-    pub fn measured(&mut self, view: &Arc<View>, settings: &Settings, shot: Shot) {
-        if self.is_of(view, settings) && self.shots.len() < MOST_SHOTS {
+    pub fn measured(&mut self, view: &Arc<View>, recipe: &Recipe, shot: Shot) {
+        if self.is_of(view, recipe) && self.shots.len() < MOST_SHOTS {
             self.shots.push(shot);
         }
     }
 
     /// Adds the rays of its samples.
-    pub fn counted(&mut self, view: &Arc<View>, settings: &Settings, sent: Arc<Vec<Sent>>) {
-        if self.is_of(view, settings) {
+    pub fn counted(&mut self, view: &Arc<View>, recipe: &Recipe, sent: Arc<Vec<Sent>>) {
+        if self.is_of(view, recipe) {
             self.sent = Some(sent);
         }
     }
 
-    fn is_of(&self, view: &Arc<View>, settings: &Settings) -> bool {
-        self.rendered.as_deref().is_some_and(|r| Arc::ptr_eq(&r.view, view) && r.settings == *settings)
+    fn is_of(&self, view: &Arc<View>, recipe: &Recipe) -> bool {
+        self.rendered.as_deref().is_some_and(|r| Arc::ptr_eq(&r.view, view) && r.recipe == *recipe)
     }
 
     /// Takes a verdict, if it is of the present picture; whether it is.
@@ -150,8 +165,8 @@ impl Side {
 }
 
 fn set_texture(texture: &mut Option<TextureHandle>, ctx: &Context, name: &str, image: ColorImage) {
-    // Pixels are to be seen as they are.
-    let options = TextureOptions::NEAREST;
+    // Pixels are to be seen as they are, and where several share one of the screen, so is their mean.
+    let options = TextureOptions { minification: TextureFilter::Linear, ..TextureOptions::NEAREST };
     match texture {
         Some(texture) => texture.set(image, options),
         None => *texture = Some(ctx.load_texture(name, image, options)),
@@ -170,7 +185,7 @@ mod tests {
             settings.windowed.luminance_scale = scale;
             settings
         };
-        let mut side = Side::new(with(1.0));
+        let mut side = Side::new(Recipe::node(with(1.0)));
         // A slider on its way, then another control.
         side.set(with(2.0), "windowed.luminance_scale");
         side.set(with(3.0), "windowed.luminance_scale");
@@ -178,11 +193,11 @@ mod tests {
         side.set(other, "technique");
         assert_eq!(side.steps(), (2, 0));
         assert!(side.undo());
-        assert_eq!(side.settings, with(3.0));
+        assert_eq!(side.recipe.settings, with(3.0));
         assert!(side.undo());
-        assert_eq!(side.settings, with(1.0));
+        assert_eq!(side.recipe.settings, with(1.0));
         assert!(!side.undo() && side.redo() && side.redo() && !side.redo());
-        assert_eq!(side.settings, other);
+        assert_eq!(side.recipe.settings, other);
         side.undo();
         side.set(with(5.0), "windowed.luminance_scale");
         assert_eq!(side.steps().1, 0);

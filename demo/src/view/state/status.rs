@@ -1,14 +1,18 @@
 //! What the renderer is at, and what there is to say.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Most lines of the log.
 const MOST_MESSAGES: usize = 200;
+
+/// How long the newest message is shown on the picture.
+const RECENT: Duration = Duration::from_secs(8);
 
 /// The state of the renderer, in words.
 pub struct Status {
     /// The log, the newest line last.
     pub messages: Vec<String>,
+    said_at: Instant,
     /// What the renderer is at; empty for nothing.
     pub busy: &'static str,
     busy_since: Instant,
@@ -19,15 +23,27 @@ pub struct Status {
 impl Status {
     /// As the viewer starts.
     pub fn opening() -> Self {
-        Self { messages: Vec::new(), busy: "opening", busy_since: Instant::now(), failed: None }
+        Self {
+            messages: Vec::new(),
+            said_at: Instant::now(),
+            busy: "opening",
+            busy_since: Instant::now(),
+            failed: None,
+        }
     }
 
     /// Adds a line to the log.
     pub fn say(&mut self, message: String) {
         self.messages.push(message);
+        self.said_at = Instant::now();
         if self.messages.len() > MOST_MESSAGES {
             self.messages.remove(0);
         }
+    }
+
+    /// The newest message, for a while.
+    pub fn recent(&self) -> Option<&str> {
+        self.messages.last().filter(|_| self.said_at.elapsed() < RECENT).map(String::as_str)
     }
 
     /// Adds a notice about the scene to the log, which holds all of them.
