@@ -250,11 +250,7 @@ pub struct Sky {
 
 impl Default for Sky {
     fn default() -> Self {
-        Self {
-            zenith: Vec3::new(0.25, 0.42, 0.8),
-            horizon: Vec3::new(0.7, 0.8, 0.9),
-            ground: Vec3::splat(0.224),
-        }
+        Self { zenith: Vec3::new(0.25, 0.42, 0.8), horizon: Vec3::new(0.7, 0.8, 0.9), ground: Vec3::splat(0.224) }
     }
 }
 
