@@ -1,16 +1,19 @@
 //! A report of what is seen, measured in a process of its own.
 
-use std::io::Read;
+use std::io::{BufRead as _, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 
 /// A report under way. Dropped, it ends the process, which has its own progress to resume from.
 pub struct Report {
     child: Child,
     folder: PathBuf,
-    /// What it says is wrong, read as it comes, so that it never waits for a reader.
-    errors: Option<JoinHandle<String>>,
+    /// The last line that it said: how far it has come, or at its end what is wrong.
+    said: Arc<Mutex<String>>,
+    /// Reads what it says as it comes, so that it never waits for a reader.
+    reader: Option<JoinHandle<()>>,
 }
 
 impl Report {
@@ -18,15 +21,20 @@ impl Report {
     pub fn begin(arguments: &[String], folder: &Path) -> std::io::Result<Self> {
         let exe = std::env::current_exe()?;
         let mut child = Command::new(exe).args(arguments).stdout(Stdio::null()).stderr(Stdio::piped()).spawn()?;
-        let errors = child.stderr.take().map(|mut stderr| {
+        let said = Arc::new(Mutex::new(String::new()));
+        let last = said.clone();
+        let reader = child.stderr.take().map(|stderr| {
             std::thread::spawn(move || {
-                let mut said = Vec::new();
                 // What was read before an error is what there is.
-                let _ = stderr.read_to_end(&mut said);
-                String::from_utf8_lossy(&said).into_owned()
+                let lines = BufReader::new(stderr).split(b'\n').map_while(Result::ok);
+                for line in lines.map(|line| String::from_utf8_lossy(&line).trim().to_owned()) {
+                    if !line.is_empty() {
+                        *last.lock().unwrap_or_else(PoisonError::into_inner) = line;
+                    }
+                }
             })
         });
-        Ok(Self { child, folder: folder.to_owned(), errors })
+        Ok(Self { child, folder: folder.to_owned(), said, reader })
     }
 
     /// How it ended, if it has.
@@ -36,12 +44,21 @@ impl Report {
 
     /// What there is to say of one that has ended: where the page is, or what went wrong.
     pub fn outcome(&mut self, status: ExitStatus) -> Result<String, String> {
-        let errors = self.errors.take().and_then(|thread| thread.join().ok()).unwrap_or_default();
+        let _ = self.reader.take().map(JoinHandle::join);
         if status.success() {
             return Ok(format!("the report is there: {}", self.folder.join("report.html").display()));
         }
-        let why = errors.lines().rev().find(|line| !line.trim().is_empty()).unwrap_or_default();
-        Err(format!("the report ended with {status}: {why}"))
+        Err(format!("the report ended with {status}: {}", self.said()))
+    }
+
+    /// The last line that it said: how far it has come and how long it may take, while it runs.
+    pub fn said(&self) -> String {
+        self.said.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Its folder, which keeps what is finished.
+    pub fn folder(&self) -> &Path {
+        &self.folder
     }
 }
 

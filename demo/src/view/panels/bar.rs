@@ -26,11 +26,7 @@ impl App {
             if ui.button("Save image…").clicked() {
                 self.dialog = Some(dialog::save_image());
             }
-            let running = self.report.is_some();
-            let report = ui.add_enabled(!running, egui::Button::new("Report…"));
-            if report.on_hover_text("Measures every technique on this view, in a process of its own").clicked() {
-                self.dialog = Some(dialog::report());
-            }
+            self.report_button(ui);
             ui.separator();
             let mut dark = ui.visuals().dark_mode;
             if ui.selectable_label(dark, "Dark").clicked() {
@@ -54,6 +50,24 @@ impl App {
             ui.separator();
             ui.label(self.scene_name());
         });
+    }
+
+    /// Begins a report, or says how far one has come and ends it.
+    fn report_button(&mut self, ui: &mut Ui) {
+        let Some(report) = &self.report else {
+            let hint = "Measures every technique on this view, in a process of its own";
+            if ui.button("Report…").on_hover_text(hint).clicked() {
+                self.dialog = Some(dialog::report());
+            }
+            return;
+        };
+        ui.label(format!("Report {}", report.said())).on_hover_text(report.folder().display().to_string());
+        let hint = "Ends it; what is finished is kept, and the same command with --resume goes on";
+        if ui.button("Cancel").on_hover_text(hint).clicked() {
+            let folder = report.folder().display().to_string();
+            self.report = None;
+            self.say(format!("the report was cancelled; what is finished is kept in {folder}: go on with --resume"));
+        }
     }
 
     fn settings_menu(&mut self, ui: &mut Ui) {
