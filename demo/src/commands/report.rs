@@ -24,8 +24,8 @@ pub struct Report {
     #[arg(long, short, value_delimiter = ',', default_value = "2,3,4")]
     m: Vec<u32>,
     /// What is measured, separated by commas; everything if not given: full, single, windowed, reconstructed,
-    /// selective, multiresolution, surfaces, fxaa, smaa. Cost curves need the first three, the papers' tables full and
-    /// selective, or single and multiresolution.
+    /// selective, multiresolution, surfaces, fxaa, smaa, taa. Cost curves need the first three, the papers' tables full
+    /// and selective, or single and multiresolution.
     #[arg(long, value_delimiter = ',')]
     techniques: Vec<String>,
     /// Any field of the settings by its path, for all entries; may be repeated.

@@ -71,6 +71,7 @@ const SHAPES = {
   single: (r) => spokes(4, 0, r * 1.3),
   fxaa: (r) => spokes(3, 0, r * 1.35),
   smaa: (r) => spokes(3, 0.5, r * 1.35),
+  taa: (r) => spokes(4, 0, r * 1.5, r * 0.6),
   other: (r) => spokes(6, 0, r * 1.1),
   goal: (r) => spokes(10, 0, r * 1.35, r * 0.55),
   cross: (r) => `M${-r},${-r}L${r},${r}M${-r},${r}L${r},${-r}`,
