@@ -1,9 +1,11 @@
 //! The peers: other anti-aliasing, to measure against. Those of a finished image look at what a screen shows, as both
 //! were made to do: radiance goes through `display` (c/(1+c), then sRGB) into 8 bits first, and that counts as their
-//! time. TAA looks at linear HDR and is displayed at the end.
+//! time. TAA looks at linear HDR and is displayed at the end, as is what hardware MSAA of
+//! forward shading has resolved.
 
 mod display;
 mod fxaa;
+pub mod msaa;
 mod output;
 mod pass;
 mod smaa;
@@ -51,6 +53,8 @@ pub enum AnyPeer {
     Image(Peer),
     /// It looks at the frames before, too: [`taa::Taa`].
     Taa,
+    /// It renders frames of its own: [`msaa::Msaa`].
+    Msaa,
 }
 
 impl AnyPeer {
@@ -59,6 +63,7 @@ impl AnyPeer {
         match self {
             Self::Image(peer) => peer.name(),
             Self::Taa => taa::NAME,
+            Self::Msaa => msaa::NAME,
         }
     }
 }

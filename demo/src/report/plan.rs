@@ -28,8 +28,12 @@ pub const TECHNIQUES: [&str; 7] =
     ["full", "single", "windowed", "reconstructed", "selective", "multiresolution", "surfaces"];
 
 /// Peers, of which `--techniques` takes the names too, and how people call them.
-pub const PEERS: [(AnyPeer, &str); 3] =
-    [(AnyPeer::Image(Peer::Fxaa), "FXAA"), (AnyPeer::Image(Peer::Smaa), "SMAA 1x"), (AnyPeer::Taa, "TAA")];
+pub const PEERS: [(AnyPeer, &str); 4] = [
+    (AnyPeer::Image(Peer::Fxaa), "FXAA"),
+    (AnyPeer::Image(Peer::Smaa), "SMAA 1x"),
+    (AnyPeer::Taa, "TAA"),
+    (AnyPeer::Msaa, "MSAA 4x, forward"),
+];
 
 /// Settings of Windowed that have a name, and how people call them.
 pub const PRESETS: [(&str, &str, Windowed); 3] = [

@@ -84,9 +84,7 @@ pub fn measure(
     for ((planned, shots), (files, quality)) in entries.iter().zip(&shots).zip(shown) {
         let Some(mut stats) = Stats::new(&shooter.host, planned.settings, shots, None) else { continue };
         stats.quality = quality;
-        if let Some(peer) = planned.peer {
-            stats = stats.of_peer(peer.name());
-        }
+        stats = shooter.complete(planned, stats);
         let Planned { id, label, role, preset, .. } = planned.clone();
         let preset = preset.map(str::to_owned);
         let entry = Entry { id, label, role, preset, stats, files, oracle: None, temporal: None };

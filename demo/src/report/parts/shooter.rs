@@ -1,6 +1,8 @@
 //! Frames of entries: of a technique, or of a peer.
 
 use crate::host::{Host, Shot};
+use crate::measure::stats::Stats;
+use crate::peers::msaa::{Msaa, NAME};
 use crate::peers::taa::{PHASES, Taa};
 use crate::peers::{AnyPeer, Peers};
 use crate::picture::Picture;
@@ -18,6 +20,7 @@ pub struct Shooter {
     pub host: Host,
     peers: Option<Peers>,
     taa: Option<Taa>,
+    msaa: Option<Msaa>,
 }
 
 impl Shooter {
@@ -27,16 +30,24 @@ impl Shooter {
         let images = entries.iter().any(|e| matches!(e.peer, Some(AnyPeer::Image(_))));
         let peers = images.then(|| Peers::new(&host.gpu, width, height)).transpose()?;
         let taa = entries.iter().any(has_history).then(|| Taa::new(&host.gpu, width, height)).transpose()?;
-        Ok(Self { host, peers, taa })
+        let forward = entries.iter().any(|e| e.peer == Some(AnyPeer::Msaa));
+        let msaa = forward.then(|| Msaa::new(&host)).transpose()?;
+        Ok(Self { host, peers, taa, msaa })
     }
 
-    /// One frame of an entry; a peer's pass comes last.
+    /// One frame of an entry; a peer's pass comes last. What renders frames of its own has the statistics of its settings
+    /// and no times but its own.
     pub fn shoot(&mut self, planned: &Planned, camera: Camera) -> Result<Shot, ReportError> {
         let rendered = match &self.taa {
             Some(taa) if has_history(planned) => taa.jittered(camera),
             _ => camera,
         };
         let mut shot = self.host.frame_with(rendered, planned.settings)?;
+        if let (Some(AnyPeer::Msaa), Some(msaa)) = (planned.peer, &mut self.msaa) {
+            let milliseconds = msaa.run(&mut self.host, camera)?.milliseconds;
+            shot.statistics.passes = vec![PassTime { name: NAME, kind: PassKind::Host, milliseconds }];
+            return Ok(Shot { gbuffer_ms: Some(0.0), ..shot });
+        }
         let milliseconds = match (planned.peer, &mut self.peers, &mut self.taa, self.host.aa.gbuffer()) {
             (Some(AnyPeer::Image(peer)), Some(peers), ..) => peers.run(peer, self.host.target())?.milliseconds,
             (Some(AnyPeer::Taa), _, Some(taa), Some(gbuffer)) => {
@@ -71,8 +82,20 @@ impl Shooter {
         }
     }
 
+    /// An entry's statistics with what the node does not know of.
+    pub fn complete(&self, planned: &Planned, stats: Stats) -> Stats {
+        match (planned.peer, &self.msaa) {
+            (Some(AnyPeer::Msaa), Some(msaa)) => stats.of_peer(NAME).holding(msaa.bytes()),
+            (Some(peer), _) => stats.of_peer(peer.name()),
+            (None, _) => stats,
+        }
+    }
+
     /// The picture of the last frame, which was of this entry. Waits for the GPU.
     pub fn picture(&self, planned: &Planned) -> Picture {
+        if let (Some(AnyPeer::Msaa), Some(msaa)) = (planned.peer, &self.msaa) {
+            return msaa.picture(&self.host);
+        }
         match (planned.peer, &self.peers, &self.taa) {
             (Some(AnyPeer::Image(_)), Some(peers), _) => peers.picture(),
             (Some(AnyPeer::Taa), _, Some(taa)) => taa.picture(),
