@@ -32,7 +32,7 @@ pub const PEERS: [(AnyPeer, &str); 4] = [
     (AnyPeer::Image(Peer::Fxaa), "FXAA"),
     (AnyPeer::Image(Peer::Smaa), "SMAA 1x"),
     (AnyPeer::Taa, "TAA"),
-    (AnyPeer::Msaa, "MSAA 4x, forward"),
+    (AnyPeer::Msaa, "Forward MSAA 4x"),
 ];
 
 /// Settings of Windowed that have a name, and how people call them.

@@ -114,6 +114,22 @@ fn what_moves_is_read_where_it_was() {
 }
 
 #[test]
+fn a_point_is_found_where_the_camera_before_saw_it() {
+    let run = Run::new("fence");
+    let view = run.host.scene.default_camera();
+    let [before, now] = [1, 0].map(|left| temporal::uncovering(&view, left, SIZE.0, SIZE.1));
+    let seen = |camera: &Camera, at: glam::Vec3| {
+        let clip = camera.clip_from_view * camera.world_from_view.inverse() * at.extend(1.0);
+        clip / clip.w
+    };
+    for at in [view.target, view.target + 0.3 * (view.target - view.eye), glam::Vec3::new(0.5, 0.2, -0.4)] {
+        let clip = before_from_now(&before, &now) * seen(&now, at);
+        let apart = (clip / clip.w - seen(&before, at)).truncate().truncate();
+        assert!(apart.length() < 1e-4, "{at}: {apart}");
+    }
+}
+
+#[test]
 fn a_still_camera_moves_nothing() {
     let run = Run::new("cornell");
     let apart = before_from_now(&run.still(), &run.still()) - Mat4::IDENTITY;
