@@ -190,6 +190,10 @@ fn the_page_shows_every_entry() {
         if report["truth"].is_object() {
             assert_eq!(bright(&dom), frontier(&report));
         }
+        let motion = dom.split("id=\"motion\"").nth(1).unwrap().split("</section>").next().unwrap();
+        for words in ["TAA is the only one with a history", "What shimmers", "First after a cut", "Uncovering"] {
+            assert!(motion.contains(words), "{words:?} is not in {motion}");
+        }
     }
 }
 

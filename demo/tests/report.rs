@@ -331,8 +331,42 @@ fn reports_of_before_can_be_read() {
     }
     let read = |report: &Value| serde_json::from_value::<Report>(report.clone()).unwrap();
     assert!(read(&old).papers.unwrap().tables.iter().all(|t| !t.sparse && t.rows[0].over_db.is_none()));
+    for entry in old["entries"].as_array_mut().unwrap() {
+        entry["temporal"].as_object_mut().map(|temporal| temporal.remove("errors"));
+    }
     old.as_object_mut().unwrap().remove("papers");
     assert!(read(&old).papers.is_none() && read(&old).effects.is_some());
+}
+
+#[test]
+fn moving_frames_have_errors_of_their_own() {
+    let (_, report) = whole();
+    let errors = |id: &str| &find(report, id)["temporal"]["errors"];
+    let db = |id: &str, path: &str| errors(id).pointer(path).and_then(Value::as_f64).unwrap();
+    for id in ["single-m1", "fxaa-m1", "smaa-m1", "taa-m1", "msaa4x-m1", "windowed-m2", "full-m2"] {
+        for motion in ["/pan", "/turn"] {
+            let [mean, worst] = ["psnr_db", "worst_db"].map(|key| db(id, &format!("{motion}/{key}")));
+            assert!(worst <= mean + 1e-9 && mean < 60.0, "{id}: {mean} {worst}");
+        }
+        println!("{id}: still {}, {}", find(report, id)["quality"]["truth"]["psnr_db"], errors(id));
+        // Where there is no history both are one view.
+        assert_eq!(db(id, "/cut_db") == db(id, "/uncovering_db"), id != "taa-m1", "{id}");
+    }
+    let still = |id: &str| find(report, id)["quality"]["truth"]["psnr_db"].as_f64().unwrap();
+    assert!(still("taa-m1") > still("single-m1") + 3.0, "{} {}", still("taa-m1"), still("single-m1"));
+    assert!(db("taa-m1", "/turn/psnr_db") > db("single-m1", "/turn/psnr_db"));
+    // A first frame is one of a sample a pixel.
+    assert!(db("taa-m1", "/cut_db") < db("taa-m1", "/turn/worst_db"));
+    let taa = find(report, "taa-m1");
+    assert_eq!((&taa["role"], &taa["technique"]), (&"peer".into(), &"taa".into()));
+    let times = |name: &str| taa["passes"].as_array().unwrap().iter().filter(|pass| *pass == name).count();
+    assert_eq!((times("taa"), times("first")), (1, 1));
+
+    let msaa = find(report, "msaa4x-m1");
+    assert_eq!((&msaa["role"], &msaa["passes"]), (&"peer".into(), &serde_json::json!(["msaa4x"])));
+    // Four samples of color and depth, and the resolved color.
+    assert_eq!(msaa["memory_bytes"]["gbuffer"], 64 * 36 * (4 * 12 + 8));
+    assert!(still("msaa4x-m1") > still("single-m1") + 3.0, "{} {}", still("msaa4x-m1"), still("single-m1"));
 }
 
 #[test]
@@ -570,5 +604,6 @@ fn bad_input_is_refused() {
     assert_refused(&report(&folder, &["--m", "2,9"]), &["--m", "9 is not in 1 to 8"]);
     assert_refused(&report(&folder, &["--m", "1", "--techniques", "full"]), &["--m", "nothing to measure"]);
     assert_refused(&report(&folder, &["--size", "100000x100000"]), &["--out", "MB"]);
+    assert_refused(&report(&folder, &["--scene", "mirrors", "--techniques", "msaa4x"]), &["--techniques", "rays"]);
     assert!(!Path::new(&folder.out().join("report.json")).exists());
 }

@@ -5,6 +5,7 @@ use super::error::{CommandError, wrong};
 use super::output::say;
 use super::set;
 use crate::names::did_you_mean;
+use crate::peers::msaa;
 use crate::report::folder::Folder;
 use crate::report::plan::{PEERS, TECHNIQUES};
 use crate::report::session::{Request, Session, stop_on_interrupt};
@@ -24,8 +25,8 @@ pub struct Report {
     #[arg(long, short, value_delimiter = ',', default_value = "2,3,4")]
     m: Vec<u32>,
     /// What is measured, separated by commas; everything if not given: full, single, windowed, reconstructed,
-    /// selective, multiresolution, surfaces, fxaa, smaa. Cost curves need the first three, the papers' tables full and
-    /// selective, or single and multiresolution.
+    /// selective, multiresolution, surfaces, fxaa, smaa, taa, msaa4x. Cost curves need the first three, the papers'
+    /// tables full and selective, or single and multiresolution.
     #[arg(long, value_delimiter = ',')]
     techniques: Vec<String>,
     /// Any field of the settings by its path, for all entries; may be repeated.
@@ -76,13 +77,23 @@ impl Report {
             resume: self.resume,
             cache: self.cache,
         };
-        let plan = run::plan_of(&request);
+        let mut plan = run::plan_of(&request);
         if plan.is_empty() {
             let problem = "nothing to measure: at m = 1 there is single alone; name other techniques or a larger m";
             return Err(wrong("--m", problem.to_owned()));
         }
         let Opened { scene, gpu, camera, gbuffer, .. } = self.view.open(largest, None)?;
         request.gbuffer = gbuffer;
+        if request.techniques.contains(&msaa::NAME) && !msaa::suits(&scene, &request.base) {
+            let why = "forward shading traces no rays and blends nothing, and this scene wants it";
+            request.techniques.retain(|&name| name != msaa::NAME);
+            plan = run::plan_of(&request);
+            if plan.is_empty() {
+                let problem = format!("nothing to measure without {}: {why}; name other techniques", msaa::NAME);
+                return Err(wrong("--techniques", problem));
+            }
+            eprintln!("note: {} is left out: {why}", msaa::NAME);
+        }
         request.focus = focus(&self.focus, &scene)?;
         let folder = Folder::open(
             &self.view.out,

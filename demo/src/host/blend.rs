@@ -8,6 +8,9 @@ use deferred_aa::gbuffer::DEPTH_FORMAT;
 use deferred_aa::{CONTRACT_WGSL, DeferredAa, Depth, TextureTier};
 use glam::{DMat4, DVec3, Vec4};
 
+/// The WGSL of what a fragment shows, for this pass and other forward ones.
+pub(crate) const FRAGMENT_WGSL: &str = include_str!("fragment.wgsl");
+
 /// The depth that blended surfaces are tested against. A pixel at the edge of what hides them is theirs as long as one
 /// of its samples is: against the nearest, what lies behind them would shine through along such edges, and surfaces
 /// just above a slanted one would be pierced by it.
@@ -191,7 +194,8 @@ fn depth(device: &wgpu::Device, width: u32, height: u32) -> wgpu::TextureView {
 /// The shader for a tier of textures.
 pub(crate) fn source(textures: TextureTier) -> String {
     let (directives, table) = DeferredAa::texture_wgsl(textures);
-    [directives, CONTRACT_WGSL, table, SHADING_WGSL, VERTICES_WGSL, include_str!("blend.wgsl")].join("\n")
+    let own = include_str!("blend.wgsl");
+    [directives, CONTRACT_WGSL, table, SHADING_WGSL, VERTICES_WGSL, FRAGMENT_WGSL, own].join("\n")
 }
 
 fn pipeline(

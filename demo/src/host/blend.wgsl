@@ -1,34 +1,8 @@
-// Draws blended surfaces over the image, lit by the functions that light all others, but for what takes rays: no light
-// is shadowed, and only the sky is mirrored. Joined with the contract, the texture table, material.wgsl, textured.wgsl,
-// shading.wgsl and vertices.wgsl.
-
-/// The greatest value that the target holds.
-const MOST: f32 = 65504.0;
+// Draws blended surfaces over the image. Joined with fragment.wgsl and what that takes.
 
 @fragment
 fn blend_fragment(v: Varying, @builtin(front_facing) winds: bool) -> @location(0) vec4f {
-    let instance = instances[v.instance];
     // A matrix that mirrors turns the winding round.
-    let own = facing(v, winds == (instance.handedness > 0.0), dpdx(v.relative), dpdy(v.relative));
-    var s: DaaSample;
-    s.position = v.relative + lighting.camera;
-    s.depth = -dot(v.relative, view.orthographic.xyz);
-    s.relative_position = v.relative;
-    s.material = instance.material;
-    s.view = normalize(towards_camera(v.relative));
-    s.object = instance.object;
-    s.geometric_normal = normalize(own.geometric_normal);
-    s.user = pack4x8unorm(v.color);
-    s.normal = normalize(own.normal);
-    s.tangent = own.tangent;
-    s.uv = v.uv;
-    s.ddx = dpdx(v.uv);
-    s.ddy = dpdy(v.uv);
-    s.pixel = vec2u(v.clip.xy);
-    let m = material(s);
-    let radiance = daa_radiance(light(daa_surface(s, 1.0), m), m).rgb;
-    let alpha = clamp(m.base_color.a, 0.0, 1.0);
-    // NaN is not greater than 0.
-    let clean = select(vec3f(0.0), min(radiance, vec3f(MOST)), radiance > vec3f(0.0));
-    return vec4f(clean * alpha, alpha);
+    let c = shaded(v, winds == (instances[v.instance].handedness > 0.0));
+    return vec4f(c.rgb * c.a, c.a);
 }

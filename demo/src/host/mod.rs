@@ -239,7 +239,7 @@ pub fn descriptor(
     }
 }
 
-fn host_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+pub(crate) fn host_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     let buffer = |binding, ty| wgpu::BindGroupLayoutEntry {
         binding,
         // The fragments of blended surfaces are lit by the same functions.
@@ -495,8 +495,7 @@ impl Host {
     ) -> Result<(), HostError> {
         settings.ray_bias = settings.ray_bias.max(self.gpu.least_ray_bias());
         self.shown = Some(camera);
-        self.lighting_values.camera = camera.world_from_view.w_axis.truncate().to_array();
-        self.write_lighting();
+        self.lit_for(&camera);
         let shadows = casting(&self.scene, settings.shadows);
         let traces = traces(&self.scene, &settings);
         if traces && !self.options.traces {
@@ -603,6 +602,14 @@ impl Host {
     /// Lights the scene with its first `count` lights only, from the next frame on.
     pub fn set_light_count(&mut self, count: u32) {
         self.lighting_values.light_count = count.min(self.uploaded.light_count);
+    }
+
+    /// The bind group of the host's WGSL, for a pass of another's that shades as `camera` sees it. Its layout is
+    /// `host_layout`.
+    pub(crate) fn lit_for(&mut self, camera: &deferred_aa::Camera) -> wgpu::BindGroup {
+        self.lighting_values.camera = camera.world_from_view.w_axis.truncate().to_array();
+        self.write_lighting();
+        self.host_bind_group.clone()
     }
 
     fn write_lighting(&self) {

@@ -209,7 +209,12 @@ impl Stats {
     /// The same for a peer that ran on this image in a pass of its own, which the shots hold.
     pub fn of_peer(mut self, name: &str) -> Self {
         name.clone_into(&mut self.technique);
-        self.passes.push(name.to_owned());
+        self
+    }
+
+    /// The same for a peer that has these bytes of targets, and none of the node's.
+    pub fn holding(mut self, bytes: u64) -> Self {
+        self.memory_bytes = Memory { gbuffer: bytes, scratch: 0, rays: 0, peak: None };
         self
     }
 

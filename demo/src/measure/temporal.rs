@@ -1,5 +1,5 @@
 //! How much a technique flickers: the deviation over time of its error, while the camera moves by less than a pixel a
-//! frame.
+//! frame; and how far its moving frames are from the truth.
 
 use crate::host::raster::node_camera;
 use crate::measure::quality::{self, QualityError};
@@ -51,6 +51,21 @@ pub fn camera(motion: Motion, camera: &Camera, frame: u32, width: u32, height: u
     }
 }
 
+/// Frames until [`uncovering`] ends.
+pub const UNCOVERING_FRAMES: u32 = 8;
+/// Pixels a frame, far behind what the camera looks at.
+pub const UNCOVERING_STEP: f32 = 4.0;
+
+/// The camera of a frame while it goes round what it looks at, so that what is in front moves across what lies behind
+/// and uncovers it. `left` frames later it is `camera` itself.
+pub fn uncovering(camera: &Camera, left: u32, width: u32, height: u32) -> deferred_aa::Camera {
+    let ahead = camera.target - camera.eye;
+    let angle = left as f32 * UNCOVERING_STEP * pixel_angle(camera, ahead.length(), height);
+    let eye = camera.target - Quat::from_axis_angle(camera.up.normalize_or(Vec3::Y), angle) * ahead;
+    let eye = if left == 0 { camera.eye } else { eye };
+    node_camera(&Camera { eye, ..*camera }, width, height)
+}
+
 /// Radians that move what is `distance` ahead by a pixel.
 fn pixel_angle(camera: &Camera, distance: f32, height: u32) -> f32 {
     match camera.lens {
@@ -67,6 +82,24 @@ pub struct Deviation {
     pub mean: f64,
     /// 99th percentile by nearest rank: at least 99 % of the pixels do not exceed it.
     pub p99: f64,
+}
+
+/// How far moving frames are from the truth of each, as displayed.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct FrameErrors {
+    /// Of one mean squared error over all frames, in dB.
+    pub psnr_db: f64,
+    /// Of the worst frame, in dB.
+    pub worst_db: f64,
+}
+
+impl FrameErrors {
+    /// From the PSNR of each frame. `None` without a frame.
+    pub fn of(frames: &[f64]) -> Option<Self> {
+        let worst_db = frames.iter().copied().min_by(f64::total_cmp)?;
+        let mean = frames.iter().map(|db| 10f64.powf(-db / 10.0)).sum::<f64>() / frames.len() as f64;
+        Some(Self { psnr_db: -10.0 * mean.log10(), worst_db })
+    }
 }
 
 /// Gathers the frames of one technique and one motion.
@@ -200,6 +233,34 @@ mod tests {
         assert!(flicker.push(&grey(&[0.0, 0.0]), &grey(&[0.0, f32::NAN])).is_err());
         flicker.push(&grey(&[0.0, 0.0]), &grey(&[0.0, 0.0])).unwrap();
         assert_eq!(flicker.finish(), None, "one frame has no deviation");
+    }
+
+    #[test]
+    fn errors_of_frames_are_averaged_and_not_their_decibels() {
+        assert_eq!(FrameErrors::of(&[]), None);
+        let FrameErrors { psnr_db, worst_db } = FrameErrors::of(&[30.0, 20.0, 200.0]).unwrap();
+        let expected = -10.0 * (0.011f64 / 3.0).log10();
+        assert!((psnr_db - expected).abs() < 1e-9 && worst_db == 20.0, "{psnr_db} {worst_db}");
+    }
+
+    #[test]
+    fn uncovering_moves_what_is_behind_and_not_the_target() {
+        let (width, height) = (640, 360);
+        for lens in [Lens::Perspective { fov_y: 0.9 }, Lens::Orthographic { half_height: 3.0, far: 100.0 }] {
+            let end = Camera { eye: Vec3::ONE, target: Vec3::new(1.0, 1.0, -4.0), up: Vec3::Y, lens, near: 0.1 };
+            assert_eq!(uncovering(&end, 0, width, height), node_camera(&end, width, height));
+            let pixels = |left: u32, at: Vec3| {
+                let moved = uncovering(&end, left, width, height);
+                let clip = moved.clip_from_view * moved.world_from_view.inverse() * at.extend(1.0);
+                clip.x / clip.w * width as f32 / 2.0
+            };
+            assert!((pixels(8, end.target) - pixels(0, end.target)).abs() < 0.01, "{lens:?}");
+            // Twice as far as the target: half the parallax of what is infinitely far, in a perspective.
+            let behind = Vec3::new(1.0, 1.0, -9.0);
+            let step = (pixels(1, behind) - pixels(0, behind)).abs();
+            let expected = if matches!(lens, Lens::Perspective { .. }) { 0.5 } else { 1.0 } * UNCOVERING_STEP;
+            assert!((step - expected).abs() < 0.05, "{lens:?}: {step}");
+        }
     }
 
     #[test]

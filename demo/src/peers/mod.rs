@@ -1,10 +1,15 @@
-//! The peers: anti-aliasing of a finished image, to measure against. They look at what a screen shows, as both were
-//! made to do: radiance goes through `display` (c/(1+c), then sRGB) into 8 bits first, and that counts as their time.
+//! The peers: other anti-aliasing, to measure against. Those of a finished image look at what a screen shows, as both
+//! were made to do: radiance goes through `display` (c/(1+c), then sRGB) into 8 bits first, and that counts as their
+//! time. TAA looks at linear HDR and is displayed at the end, as is what hardware MSAA of
+//! forward shading has resolved.
 
 mod display;
 mod fxaa;
+pub mod msaa;
+mod output;
 mod pass;
 mod smaa;
+pub mod taa;
 #[cfg(test)]
 mod tests;
 
@@ -13,6 +18,8 @@ use crate::host::gpu::Gpu;
 use crate::picture::Picture;
 use display::Display;
 use fxaa::Fxaa;
+use output::Output;
+pub use pass::PeerShot;
 use pass::Timer;
 use smaa::Smaa;
 
@@ -39,47 +46,49 @@ impl Peer {
     }
 }
 
-/// Both peers for images of one size.
+/// What is measured beside the techniques.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum AnyPeer {
+    /// It looks at one finished image.
+    Image(Peer),
+    /// It looks at the frames before, too: [`taa::Taa`].
+    Taa,
+    /// It renders frames of its own: [`msaa::Msaa`].
+    Msaa,
+}
+
+impl AnyPeer {
+    /// As on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Image(peer) => peer.name(),
+            Self::Taa => taa::NAME,
+            Self::Msaa => msaa::NAME,
+        }
+    }
+}
+
+/// Both peers of finished images, for images of one size.
 #[derive(Debug)]
 pub struct Peers {
     gpu: Gpu,
     display: Display,
     fxaa: Fxaa,
     smaa: Smaa,
-    output: wgpu::Texture,
-    output_view: wgpu::TextureView,
+    output: Output,
     timer: Option<Timer>,
-}
-
-/// What a peer took.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PeerShot {
-    /// On top of what made the image, `display` included: by GPU timestamps, from the begin of the peer's first pass to
-    /// the end of its last. SMAA's holds the time between its three submits too. `None` on a device without timestamps.
-    pub milliseconds: Option<f64>,
 }
 
 impl Peers {
     /// For images of `width` × `height` pixels, on the device that has them.
     pub fn new(gpu: &Gpu, width: u32, height: u32) -> Result<Self, HostError> {
         let device = &gpu.device;
-        let output = device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("peers output"),
-            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: display::FORMAT,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
-            view_formats: &[],
-        });
         let peers = Self {
             gpu: gpu.clone(),
             display: Display::new(device),
             fxaa: Fxaa::new(device, width, height),
             smaa: Smaa::new(device, &gpu.queue, width, height),
-            output_view: output.create_view(&wgpu::TextureViewDescriptor::default()),
-            output,
+            output: Output::new(device, width, height),
             timer: Timer::new(device),
         };
         peers.complaints()?;
@@ -88,12 +97,12 @@ impl Peers {
 
     /// Anti-aliases `image`, linear HDR, and waits. The result is in [`picture`](Self::picture).
     pub fn run(&mut self, peer: Peer, image: &wgpu::TextureView) -> Result<PeerShot, HostError> {
-        let (found, size) = (size_of_texture(image.texture()), size_of_texture(&self.output));
+        let (found, size) = (output::size(image.texture()), self.output.size());
         if found != size {
             return Err(HostError::PeerSize { peer: peer.name(), image: found, size });
         }
         let (device, queue) = (&self.gpu.device, &self.gpu.queue);
-        let (timer, to) = (self.timer.as_ref(), &self.output_view);
+        let (timer, to) = (self.timer.as_ref(), &self.output.view);
         let (begin, end) = (timer.map(Timer::begin), timer.map(Timer::end));
         let display = &self.display;
         match peer {
@@ -119,21 +128,10 @@ impl Peers {
     /// What the last [`run`](Self::run) made, black before the first. Its `to_srgb8` gives the peer's own bytes; the
     /// radiance is what would be displayed so. Waits.
     pub fn picture(&self) -> Picture {
-        let (width, height) = size_of_texture(&self.output);
-        let radiance: [f32; 256] = std::array::from_fn(|shown| display::radiance(shown as u8));
-        let bytes = self.gpu.read_texture(&self.output, 4);
-        let linear = |&[r, g, b, _]: &[u8; 4]| {
-            let [r, g, b] = [r, g, b].map(|c| radiance[usize::from(c)]);
-            [r, g, b, 1.0]
-        };
-        Picture { width, height, rgba: bytes.as_chunks::<4>().0.iter().map(linear).collect() }
+        self.output.picture(&self.gpu)
     }
 
     fn complaints(&self) -> Result<(), HostError> {
         self.gpu.complaint().map_or(Ok(()), |complaint| Err(HostError::Device(complaint)))
     }
-}
-
-fn size_of_texture(texture: &wgpu::Texture) -> (u32, u32) {
-    (texture.width(), texture.height())
 }

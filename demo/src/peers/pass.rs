@@ -108,6 +108,14 @@ pub fn begin<'a>(
     })
 }
 
+/// What a peer took.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PeerShot {
+    /// On top of what made the image, `display` included: by GPU timestamps, from the begin of the peer's first pass to
+    /// the end of its last. SMAA's holds the time between its three submits too. `None` on a device without timestamps.
+    pub milliseconds: Option<f64>,
+}
+
 /// Two timestamps, from the begin of one pass to the end of another, which may be in different submits.
 #[derive(Debug)]
 pub struct Timer {

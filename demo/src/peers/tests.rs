@@ -6,7 +6,7 @@ use deferred_aa::{GBufferTier, TextureTier};
 const DARK: u8 = 40;
 const BRIGHT: u8 = 200;
 
-fn gpu() -> Gpu {
+pub(super) fn gpu() -> Gpu {
     Gpu::new(
         gpu::choose(None).unwrap(),
         &host::descriptor(1, TextureTier::Arrays, RayTier::Software, GBufferTier::default()),
@@ -15,7 +15,7 @@ fn gpu() -> Gpu {
 }
 
 /// Linear HDR of the host's format.
-fn texture(gpu: &Gpu, width: u32, height: u32, pixel: impl Fn(u32, u32) -> [f32; 3]) -> wgpu::TextureView {
+pub(super) fn texture(gpu: &Gpu, width: u32, height: u32, pixel: impl Fn(u32, u32) -> [f32; 3]) -> wgpu::TextureView {
     let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
         label: None,
         size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
@@ -34,7 +34,7 @@ fn texture(gpu: &Gpu, width: u32, height: u32, pixel: impl Fn(u32, u32) -> [f32;
     texture.create_view(&Default::default())
 }
 
-fn grey(shown: u8) -> [f32; 3] {
+pub(super) fn grey(shown: u8) -> [f32; 3] {
     [display::radiance(shown); 3]
 }
 

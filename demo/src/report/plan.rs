@@ -1,7 +1,7 @@
 //! Which entries a report has, known before any work is done.
 
 use super::schema::Role;
-use crate::peers::Peer;
+use crate::peers::{AnyPeer, Peer};
 use deferred_aa::{MultiResolution, Preset, Reconstructed, Selective, Settings, Surfaces, Technique, Windowed};
 
 /// One entry to measure.
@@ -19,8 +19,8 @@ pub struct Planned {
     pub m: u32,
     /// What is recorded.
     pub settings: Settings,
-    /// What runs on its image.
-    pub peer: Option<Peer>,
+    /// What it is measured beside: a peer, on images of these settings.
+    pub peer: Option<AnyPeer>,
 }
 
 /// What `--techniques` takes, in the order of the report.
@@ -28,7 +28,12 @@ pub const TECHNIQUES: [&str; 7] =
     ["full", "single", "windowed", "reconstructed", "selective", "multiresolution", "surfaces"];
 
 /// Peers, of which `--techniques` takes the names too, and how people call them.
-pub const PEERS: [(Peer, &str); 2] = [(Peer::Fxaa, "FXAA"), (Peer::Smaa, "SMAA 1x")];
+pub const PEERS: [(AnyPeer, &str); 4] = [
+    (AnyPeer::Image(Peer::Fxaa), "FXAA"),
+    (AnyPeer::Image(Peer::Smaa), "SMAA 1x"),
+    (AnyPeer::Taa, "TAA"),
+    (AnyPeer::Msaa, "Forward MSAA 4x"),
+];
 
 /// Settings of Windowed that have a name, and how people call them.
 pub const PRESETS: [(&str, &str, Windowed); 3] = [
@@ -274,7 +279,7 @@ mod tests {
     fn only_what_is_asked_for_is_planned() {
         assert_eq!(ids(&[2], &["full"], true), ["full-m2"]);
         assert_eq!(ids(&[2, 1], &["single"], true), ["single-m2", "single-m1"]);
-        assert_eq!(ids(&[2], &["smaa"], true), ["smaa-m1"]);
+        assert_eq!(ids(&[2], &["smaa", "taa"], true), ["smaa-m1", "taa-m1"]);
     }
 
     #[test]

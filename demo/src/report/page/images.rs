@@ -21,7 +21,7 @@ pub const PAGE_FILE: &str = "report.html";
 const BRIGHTEST: f32 = 0.25;
 
 /// Most entries with pictures on the page.
-const SHOWN: usize = 11;
+const SHOWN: usize = 13;
 
 /// Most pixels of a picture on the page; larger ones are made smaller, and crops stay as they are.
 const MOST_PIXELS: f64 = 1.2e6;

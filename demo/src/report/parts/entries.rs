@@ -1,10 +1,10 @@
 //! The entries: all of one m interleaved, so that a drifting machine moves all alike.
 
+use super::shooter::Shooter;
 use crate::host::{Host, Shot};
 use crate::measure::quality::{self, Quality, QualityError};
 use crate::measure::reference;
 use crate::measure::stats::{self, Against, Stats};
-use crate::peers::Peers;
 use crate::picture::{self, Picture};
 use crate::report::ReportError;
 use crate::report::folder::Kind;
@@ -12,7 +12,7 @@ use crate::report::page::images;
 use crate::report::plan::Planned;
 use crate::report::schema::{Entry, Files};
 use crate::report::session::Session;
-use deferred_aa::{PassKind, PassTime, Settings, Technique};
+use deferred_aa::{Settings, Technique};
 
 /// The references that entries are held against.
 #[derive(Debug)]
@@ -55,8 +55,7 @@ pub fn measure(
     let mut shown = Vec::new();
     for planned in entries {
         // The frame that warms up is the picture too: the same frame twice is the same bits.
-        session.tick()?;
-        shooter.shoot(planned, session.camera())?;
+        shooter.settle(planned, session.camera(), || session.tick())?;
         let image = shooter.picture(planned);
         let adaptive = !matches!(planned.settings.technique, Technique::Full | Technique::Single);
         let counts = adaptive.then(|| shooter.host.sample_map(session.camera(), planned.settings)).transpose()?;
@@ -85,9 +84,7 @@ pub fn measure(
     for ((planned, shots), (files, quality)) in entries.iter().zip(&shots).zip(shown) {
         let Some(mut stats) = Stats::new(&shooter.host, planned.settings, shots, None) else { continue };
         stats.quality = quality;
-        if let Some(peer) = planned.peer {
-            stats = stats.of_peer(peer.name());
-        }
+        stats = shooter.complete(planned, stats);
         let Planned { id, label, role, preset, .. } = planned.clone();
         let preset = preset.map(str::to_owned);
         let entry = Entry { id, label, role, preset, stats, files, oracle: None, temporal: None };
@@ -118,42 +115,6 @@ pub fn edges(session: &Session, m: u32) -> Result<Vec<bool>, ReportError> {
 fn show_edges(session: &Session, mask: Vec<bool>) -> Result<Vec<bool>, ReportError> {
     picture::write_png(&images::mask(&mask, session.request.width)?, &session.folder.file("edges.png"))?;
     Ok(mask)
-}
-
-/// A host, and the peers if an entry has one.
-#[derive(Debug)]
-pub struct Shooter {
-    /// The host.
-    pub host: Host,
-    peers: Option<Peers>,
-}
-
-impl Shooter {
-    /// A shooter for these entries, all of the host's m.
-    pub fn new(host: Host, entries: &[Planned]) -> Result<Self, ReportError> {
-        let (width, height) = (host.options.width, host.options.height);
-        let any = entries.iter().any(|e| e.peer.is_some());
-        let peers = any.then(|| Peers::new(&host.gpu, width, height)).transpose()?;
-        Ok(Self { host, peers })
-    }
-
-    /// One frame of an entry; a peer's pass comes last.
-    pub fn shoot(&mut self, planned: &Planned, camera: deferred_aa::Camera) -> Result<Shot, ReportError> {
-        let mut shot = self.host.frame_with(camera, planned.settings)?;
-        if let (Some(peer), Some(peers)) = (planned.peer, &mut self.peers) {
-            let milliseconds = peers.run(peer, self.host.target())?.milliseconds;
-            shot.statistics.passes.push(PassTime { name: peer.name(), kind: PassKind::Host, milliseconds });
-        }
-        Ok(shot)
-    }
-
-    /// The picture of the last frame, which was of this entry. Waits for the GPU.
-    pub fn picture(&self, planned: &Planned) -> Picture {
-        match &self.peers {
-            Some(peers) if planned.peer.is_some() => peers.picture(),
-            _ => self.host.picture(),
-        }
-    }
 }
 
 /// All samples of the host's grid. `None` at m = 1, where a grid of one sample is no reference.

@@ -1,23 +1,27 @@
-//! The entries that the page shows, while the camera moves by less than a pixel a frame.
+//! The entries that the page shows, in motion: how much they flicker while the camera moves by less than a pixel a
+//! frame, and how far moving frames are from the truth, which is where a history shows what it costs.
 
-use super::entries::Shooter;
+use super::shooter::{Shooter, has_history};
 use super::{cost, truth};
 use crate::host::Host;
+use crate::host::raster::node_camera;
+use crate::measure::quality;
 use crate::measure::reference;
-use crate::measure::temporal::{self, Deviation, FRAMES, Flicker, Motion};
+use crate::measure::temporal::{self, Deviation, FRAMES, Flicker, FrameErrors, Motion, UNCOVERING_FRAMES};
+use crate::picture::Picture;
 use crate::report::ReportError;
 use crate::report::folder::Kind;
 use crate::report::plan::Planned;
-use crate::report::schema::{self, Temporal, TemporalBase};
+use crate::report::schema::{self, MovingErrors, Temporal, TemporalBase};
 use crate::report::session::Session;
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 
-/// Of the frames, every so many are taken with --quick: the same movements in larger steps, which is all the same to a
-/// standard deviation.
+/// Of the frames, every so many are measured with --quick, which is all the same to a standard deviation. A history
+/// sees all of them.
 const QUICK_EVERY: u32 = 4;
 
-/// Sets the flicker of the entries that are planned here. Each frame has a truth of its own, which is what takes the
+/// Sets what the entries that are planned here do in motion. Each frame has a truth of its own, which is what takes the
 /// time: so the picture is small.
 pub fn flicker(
     session: &Session,
@@ -66,31 +70,93 @@ fn compute(
             place.insert(Shooter::new(host(p.m)?, planned)?);
         }
     }
-    let pan = motion(session, Motion::Pan, planned, &mut reference, &mut shooters, base)?;
-    let turn = motion(session, Motion::Turn, planned, &mut reference, &mut shooters, base)?;
-    let both = planned.iter().zip(pan.into_iter().zip(turn));
-    Ok(both.map(|(p, (pan, turn))| (p.id.clone(), Temporal { pan, turn })).collect())
+    // Both movements begin at the view itself, and the frames without a use for a history end there: one truth for all.
+    let camera = node_camera(&session.view, base.width, base.height);
+    let settings = reference::truth(session.request.base);
+    let still = truth::render(&mut reference, camera, side, settings, || session.tick())?;
+    let pan = motion(session, Motion::Pan, planned, (&mut reference, &still), &mut shooters, base)?;
+    let turn = motion(session, Motion::Turn, planned, (&mut reference, &still), &mut shooters, base)?;
+    let mut all = BTreeMap::new();
+    for (planned, (pan, turn)) in planned.iter().zip(pan.into_iter().zip(turn)) {
+        let Some(shooter) = shooters.get_mut(&planned.m) else { continue };
+        let [cut_db, uncovering_db] = without_use_of_history(session, planned, shooter, &still)?;
+        let errors = pan.errors.zip(turn.errors);
+        let errors = errors.map(|(pan, turn)| MovingErrors { pan, turn, cut_db, uncovering_db });
+        all.insert(planned.id.clone(), Temporal { pan: pan.flicker, turn: turn.flicker, errors });
+    }
+    Ok(all)
 }
 
+/// One entry in one movement.
+#[derive(Debug)]
+struct Moved {
+    flicker: Option<Deviation>,
+    errors: Option<FrameErrors>,
+}
+
+/// `still` is the truth of the first frame.
 fn motion(
     session: &Session,
     motion: Motion,
     planned: &[Planned],
-    reference: &mut Host,
+    (reference, still): (&mut Host, &Picture),
     shooters: &mut BTreeMap<u32, Shooter>,
     base: TemporalBase,
-) -> Result<Vec<Option<Deviation>>, ReportError> {
+) -> Result<Vec<Moved>, ReportError> {
     let TemporalBase { width, height, frames, samples_per_pixel } = base;
     let side = samples_per_pixel.isqrt();
-    let mut all = vec![Flicker::new((width * height) as usize); planned.len()];
-    for frame in (0..FRAMES).step_by((FRAMES / frames) as usize) {
-        let camera = temporal::camera(motion, &session.view, frame, width, height);
-        let truth = truth::render(reference, camera, side, reference::truth(session.request.base), || session.tick())?;
-        for (planned, flicker) in planned.iter().zip(&mut all) {
+    let every = FRAMES / frames;
+    let camera = |frame| temporal::camera(motion, &session.view, frame, width, height);
+    let mut all = vec![(Flicker::new((width * height) as usize), Vec::new()); planned.len()];
+    for planned in planned.iter().filter(|p| has_history(p)) {
+        let Some(shooter) = shooters.get_mut(&planned.m) else { continue };
+        shooter.settle(planned, camera(0), || session.tick())?;
+    }
+    for frame in 0..FRAMES {
+        let camera = camera(frame);
+        let truth = match frame {
+            0 => Some(still.clone()),
+            _ if frame % every == 0 => {
+                let settings = reference::truth(session.request.base);
+                Some(truth::render(reference, camera, side, settings, || session.tick())?)
+            }
+            _ => None,
+        };
+        for (planned, (flicker, errors)) in planned.iter().zip(&mut all) {
             let Some(shooter) = shooters.get_mut(&planned.m) else { continue };
-            shooter.shoot(planned, camera)?;
-            flicker.push(&shooter.picture(planned), &truth)?;
+            if truth.is_some() || has_history(planned) {
+                shooter.shoot(planned, camera)?;
+            }
+            if let Some(truth) = &truth {
+                let picture = shooter.picture(planned);
+                flicker.push(&picture, truth)?;
+                errors.push(quality::psnr(&picture, truth)?);
+            }
         }
     }
-    Ok(all.into_iter().map(Flicker::finish).collect())
+    let finish =
+        |(flicker, errors): (Flicker, Vec<f64>)| Moved { flicker: flicker.finish(), errors: FrameErrors::of(&errors) };
+    Ok(all.into_iter().map(finish).collect())
+}
+
+/// The PSNR of the first frame after a cut to the view, and of one in a movement that ends there and uncovers what was
+/// hidden.
+fn without_use_of_history(
+    session: &Session,
+    planned: &Planned,
+    shooter: &mut Shooter,
+    still: &Picture,
+) -> Result<[f64; 2], ReportError> {
+    let camera = |left| temporal::uncovering(&session.view, left, still.width, still.height);
+    shooter.cut(planned);
+    shooter.shoot(planned, camera(0))?;
+    let cut = quality::psnr(&shooter.picture(planned), still)?;
+    if !has_history(planned) {
+        return Ok([cut; 2]);
+    }
+    shooter.settle(planned, camera(UNCOVERING_FRAMES), || session.tick())?;
+    for left in (0..UNCOVERING_FRAMES).rev() {
+        shooter.shoot(planned, camera(left))?;
+    }
+    Ok([cut, quality::psnr(&shooter.picture(planned), still)?])
 }

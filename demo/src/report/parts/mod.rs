@@ -19,5 +19,6 @@ pub mod fit;
 pub mod flicker;
 pub mod goals;
 pub mod papers;
+pub mod shooter;
 pub mod truth;
 pub mod variants;

@@ -7,7 +7,7 @@ pub mod papers;
 
 use crate::measure::oracle::{Coverage, Neyman};
 use crate::measure::stats::{Adapter, Stats};
-use crate::measure::temporal::Deviation;
+use crate::measure::temporal::{Deviation, FrameErrors};
 use cost::Cost;
 use deferred_aa::Rect;
 use effects::Effects;
@@ -113,7 +113,7 @@ pub struct Entry {
     pub files: Files,
     /// How far it lies above the bounds.
     pub oracle: Option<EntryOracle>,
-    /// How much it flickers.
+    /// How much it flickers, and how far its moving frames are from the truth.
     pub temporal: Option<Temporal>,
 }
 
@@ -184,13 +184,29 @@ pub struct TemporalBase {
     pub samples_per_pixel: u32,
 }
 
-/// The standard deviation over time of (image − truth), on [0, 1].
+/// The standard deviation over time of (image − truth), on [0, 1], and the errors of moving frames.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Temporal {
     /// While the image moves by 1/64 pixel a frame.
     pub pan: Option<Deviation>,
     /// While the camera turns slowly.
     pub turn: Option<Deviation>,
+    /// The same frames against the truth of each, and frames for which a history is of no use.
+    #[serde(default)]
+    pub errors: Option<MovingErrors>,
+}
+
+/// The errors of moving frames. Those without a history have the same error in the last two, which are one view.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct MovingErrors {
+    /// Of the slow pan.
+    pub pan: FrameErrors,
+    /// Of the slow turn.
+    pub turn: FrameErrors,
+    /// PSNR of the first frame after the camera cuts, in dB.
+    pub cut_db: f64,
+    /// PSNR of a frame while the camera goes round what it looks at, 4 pixels a frame, in dB.
+    pub uncovering_db: f64,
 }
 
 /// Ids of the entries that no other one beats, by rising cost.

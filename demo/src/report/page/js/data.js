@@ -10,9 +10,10 @@ const EQUAL_TIME = 1.05;
 const STEADY = 1.3; // a time whose slowest frames take more than this over its fastest bears no advice
 const EXPLAINED = 0.9; // a fit of a lower r² bears none either
 const PASS_ORDER = ["gbuffer", "classify", "trace first", "reflect first", "refine rays", "refine", "points", "lattice_to_pixels", "first",
-  "metrics", "plan", "select", "cover", "list", "trace", "reflect", "shade", "quadrants", "reconstruct", "light", "resolve", "fxaa", "smaa"];
+  "metrics", "plan", "select", "cover", "list", "trace", "reflect", "shade", "quadrants", "reconstruct", "light", "resolve", "fxaa", "smaa", "taa", "msaa4x"];
 const KINDS = { windowed: "Windowed", selective: "Selective", multiresolution: "MultiResolution", surfaces: "Surfaces",
-  reconstructed: "Reconstructed", full: "Full", single: "Single", fxaa: "FXAA", smaa: "SMAA", other: "other" };
+  reconstructed: "Reconstructed", full: "Full", single: "Single", fxaa: "FXAA", smaa: "SMAA", taa: "TAA",
+  msaa4x: "MSAA 4x", other: "other" };
 const MEASURES = {
   rmse: { name: "rMSE", of: (q) => fromDb(q.psnr_db) },
   edge: { name: "rMSE on edges", of: (q) => fromDb(q.edge_psnr_db) },
@@ -176,7 +177,7 @@ function sentences(model) {
   const all = [
     ["Choose, at equal error", chooseSentence(model)],
     ["At equal time", equalTimeSentence(model)],
-    ["Against FXAA and SMAA", peersSentence(model)],
+    ["Against the peers", peersSentence(model)],
     ["Where adaptive pays", `${crossoverText(model)} ${oracleText(model)}`.trim()],
   ];
   const loose = wavering(model);
@@ -238,12 +239,13 @@ function besideBest({ against, best, pick, error }) {
 
 function peersSentence(model) {
   const peers = model.candidates.filter((e) => e.role === "peer");
-  if (!peers.length) return "FXAA and SMAA were not measured here.";
+  if (!peers.length) return "No peer was measured here.";
   const single = least(model.candidates.filter((e) => e.kind === "single"), model.cost);
   if (!model.timed) return `Without times nothing can be compared at equal time. ${peerErrors(model, peers, single)}.`;
   const found = peers.map((peer) => ({ peer, ...verdict(model, peer, single) }));
   const kinds = [...new Set(found.map((f) => f.kind))];
-  return kinds.map((kind) => VERDICTS[kind](model, found.filter((f) => f.kind === kind), single)).join(" ");
+  const still = peers.some((p) => p.kind === "taa") ? " TAA's error is that of a camera that stands still: see Motion." : "";
+  return kinds.map((kind) => VERDICTS[kind](model, found.filter((f) => f.kind === kind), single)).join(" ") + still;
 }
 
 /** What the best adaptive entry in the peer's time does against it, overall and on edges. */
@@ -300,7 +302,7 @@ function firstBetter(model, peers) {
   const limit = Math.min(...peers.map(model.error)), dearest = least(peers, (p) => -model.cost(p));
   const first = least(model.candidates.filter((e) => isAdaptive(e) && model.error(e) < limit), model.cost);
   if (!first) return "No adaptive entry has a lower error at any time.";
-  const below = peers.length > 1 ? "both" : "that";
+  const below = { 1: "that", 2: "both" }[peers.length] ?? "all of them";
   return `The first adaptive entry below ${below}, ${first.name} with ${number(model.error(first))}, ` +
     `takes ${times(model.cost(first) / model.cost(dearest))} ${dearest.name}'s time.`;
 }

@@ -71,6 +71,8 @@ const SHAPES = {
   single: (r) => spokes(4, 0, r * 1.3),
   fxaa: (r) => spokes(3, 0, r * 1.35),
   smaa: (r) => spokes(3, 0.5, r * 1.35),
+  taa: (r) => spokes(4, 0, r * 1.5, r * 0.6),
+  msaa4x: (r, s = r * 1.1) => `M${-s},${-s}H${s}V${s}H${-s}Z`,
   other: (r) => spokes(6, 0, r * 1.1),
   goal: (r) => spokes(10, 0, r * 1.35, r * 0.55),
   cross: (r) => `M${-r},${-r}L${r},${r}M${-r},${r}L${r},${-r}`,

@@ -173,10 +173,22 @@ function drawGoals(host, { report }) {
 function drawMotion(host, { entries }) {
   const shown = sorted(entries.filter((e) => e.raw.temporal), (e) => e.raw.temporal.pan?.mean);
   if (!shown.length) return host.append(none("Nothing was measured in motion."));
-  const figures = ["pan", "turn"].flatMap((motion) => [
-    { name: `${capital(motion)}, mean`, text: (e) => number(e.raw.temporal[motion]?.mean) },
-    { name: `${capital(motion)}, 99th percentile`, text: (e) => number(e.raw.temporal[motion]?.p99) }]);
-  host.append(table("In motion", [{ name: "Entry", text: (e) => e.name }, ...figures], shown));
+  const entry = { name: "Entry", text: (e) => e.name };
+  const motions = (columns) => ["pan", "turn"].flatMap((motion) => columns(motion, capital(motion)));
+  const flicker = motions((motion, name) => [
+    { name: `${name}, mean`, text: (e) => number(e.raw.temporal[motion]?.mean) },
+    { name: `${name}, 99th percentile`, text: (e) => number(e.raw.temporal[motion]?.p99) }]);
+  host.append(el("h3", null, "What shimmers"), table("Flicker", [entry, ...flicker], shown));
+  const moving = shown.filter((e) => e.raw.temporal.errors);
+  if (!moving.length) return;
+  const of = (e) => e.raw.temporal.errors;
+  const errors = motions((motion, name) => [
+    { name: `${name}, PSNR`, text: (e) => decibels(of(e)[motion]?.psnr_db) },
+    { name: `${name}, worst frame`, text: (e) => decibels(of(e)[motion]?.worst_db) }]);
+  host.append(el("h3", null, "How wrong moving frames are"), table("Errors of moving frames", [entry, ...errors,
+    { name: "First after a cut", text: (e) => decibels(of(e).cut_db) },
+    { name: "Uncovering", text: (e) => decibels(of(e).uncovering_db) }],
+    sorted(moving, (e) => of(e).uncovering_db, true)));
 }
 
 // ---- Pictures -----------------------------------------------------------------------------------------------------
