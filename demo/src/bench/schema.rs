@@ -66,6 +66,10 @@ pub struct Row {
     pub other_bytes: u64,
     /// Samples that were no number, in the last frame.
     pub not_finite: u64,
+    /// Samples without room for their own rays, which took what the first one of their window found: more would come
+    /// nearer to `Full` with a greater `Settings::ray_samples`.
+    #[serde(default)]
+    pub without_rays: u64,
 }
 
 /// Why a cell was left out for which there was no time.
@@ -93,9 +97,15 @@ impl Row {
         self.time_ms.get(name).map(|spread| spread.median)
     }
 
-    /// Why its times tell little: few frames, or times of the whole frame that differ by more than three tenths.
-    pub fn doubt(&self) -> Option<&'static str> {
+    /// Why its figures tell little: rays for which there was no room, few frames, or times of the whole frame that
+    /// differ by more than three tenths.
+    pub fn doubts(&self) -> impl Iterator<Item = &'static str> {
         let unsteady = self.time_ms.get("total").is_some_and(|t| t.p95 > 1.3 * t.min);
-        if unsteady { Some("UNSTEADY") } else { (self.frames < 3).then_some("FEW FRAMES") }
+        let kinds = [
+            (self.without_rays > 0, "SHARED RAYS"),
+            (unsteady, "UNSTEADY"),
+            (!unsteady && self.frames < 3, "FEW FRAMES"),
+        ];
+        kinds.into_iter().filter(|(is, _)| *is).map(|(_, kind)| kind)
     }
 }

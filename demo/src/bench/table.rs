@@ -42,7 +42,7 @@ pub fn table(bench: &Bench) -> String {
             (row.gbuffer_bytes + row.other_bytes) as f64 * 1e-6,
             number(row.rays_per_second.map(|s| s * 1e-6), 1),
             passes(row),
-            row.doubt().map_or(String::new(), |doubt| format!("  {doubt}")),
+            row.doubts().map(|doubt| format!("  {doubt}")).collect::<String>(),
         );
     }
     text
@@ -54,7 +54,8 @@ pub fn ratios(bench: &Bench) -> String {
         "\nk: lit samples a pixel; lit: of all m²; taps: material evaluations a pixel; PSNR: to Full of the \
                     same m; times: medians of GPU milliseconds;\nframe: G-buffer and node; plain: frame over that of \
                     m = 1; passes under 2 % are in the file alone;\nUNSTEADY: the slowest frames take over 1.3 times the \
-                    fastest; FEW FRAMES: less than three; run it again with nothing beside it, or with more --minutes\n\n"
+                    fastest; FEW FRAMES: less than three; run it again with nothing beside it, or with more --minutes;\nSHARED RAYS: \
+                    more samples were planned than Settings::ray_samples has room for\n\n"
             .to_owned();
     let _ = writeln!(
         text,
