@@ -76,7 +76,7 @@ impl Scene {
 }
 
 /// A camera that sees all of `scene` from the front, somewhat from the right and above, in any view at least as wide as
-/// high. Of the height or width of a square view it fills [`FILLED`].
+/// high. It fills 82 % of the height or width of a square view.
 pub fn frame_camera(scene: &Scene) -> Camera {
     const FOV_Y: f32 = 40.0 / 180.0 * PI;
     const FROM: Vec3 = Vec3::new(0.5, 0.28, 0.82);
