@@ -209,25 +209,15 @@ fn answers() {
                    empty or a .gltf or .glb file\n";
     assert_eq!([view(&["nosuch"]), view(&["--scene", "nosuch"])], [unknown; 2]);
     // What clap says ends in a hint to --help.
+    for command in ["render", "demo", "report", "bench"] {
+        let output = demo(&[command, "--frames", "0", "--out", &out]).output().unwrap();
+        assert_refused(&output, &[]);
+        let answer = "error: invalid value '0' for '--frames <FRAMES>': 0 is not in 1..=10000; see --help\n";
+        assert_eq!(text(&output.stderr), answer, "{command}");
+    }
     for (arguments, answer) in [
         (
-            &["render", "--frames", "0"][..],
-            "error: invalid value '0' for '--frames <FRAMES>': 0 is not in 1..=10000; see --help\n",
-        ),
-        (
-            &["demo", "--frames", "0"],
-            "error: invalid value '0' for '--frames <FRAMES>': 0 is not in 1..=10000; see --help\n",
-        ),
-        (
-            &["report", "--frames", "0"],
-            "error: invalid value '0' for '--frames <FRAMES>': 0 is not in 1..=10000; see --help\n",
-        ),
-        (
-            &["bench", "--frames", "0"],
-            "error: invalid value '0' for '--frames <FRAMES>': 0 is not in 1..=10000; see --help\n",
-        ),
-        (
-            &["render", "--size", "320"],
+            &["render", "--size", "320"][..],
             "error: invalid value '320' for '--size <SIZE>': '320' is not a size: write WIDTHxHEIGHT in pixels, such as 1024x768; see --help\n",
         ),
         (

@@ -7,12 +7,15 @@ use super::set;
 use crate::host::raster::node_camera;
 use crate::host::{Host, HostError, Options, Shot};
 use crate::measure::quality::{self, Quality};
-use crate::measure::reference::{self, MovedFrames};
+use crate::measure::reference;
 use crate::measure::stats::Stats;
 use crate::peers::{Peer, Peers};
 use crate::picture::{self, Panel, Picture};
+use crate::report::ReportError;
+use crate::report::parts::truth;
 use crate::scene::Camera;
-use deferred_aa::{PassKind, PassTime, Preset, Settings, Technique};
+use deferred_aa::{Preset, Settings, Technique};
+use indicatif::{ProgressBar, ProgressStyle};
 
 /// See `deferred-aa-demo demo --help`.
 #[derive(Debug, clap::Args)]
@@ -154,26 +157,30 @@ impl Entry {
     fn shoot(&self, host: &mut Host, peers: &mut Peers, camera: &Camera) -> Result<Shot, HostError> {
         let mut shot = host.frame(camera, self.settings)?;
         if let Some(peer) = self.peer {
-            let milliseconds = peers.run(peer, host.target())?.milliseconds;
-            shot.statistics.passes.push(PassTime { name: peer.name(), kind: PassKind::Host, milliseconds });
+            shot.statistics.passes.push(peers.run(peer, host.target())?.pass(peer.name()));
         }
         Ok(shot)
     }
 }
 
 /// The mean of 16 times as many samples as `Full` has.
-fn truth(host: &mut Host, camera: &Camera, base: Settings) -> Result<Picture, HostError> {
+fn truth(host: &mut Host, camera: &Camera, base: Settings) -> Result<Picture, ReportError> {
     let (width, height, m) = (host.options.width, host.options.height, host.options.m);
-    let camera = node_camera(camera, width, height);
-    let mut frames = MovedFrames::new((width, height), 4 * m, m);
-    let (_, all) = frames.progress();
-    for i in 0..all {
-        eprint!("\rtruth of {} samples a pixel: {} of {all} frames", 16 * m * m, i + 1);
-        host.frame_with(frames.moved(camera), reference::truth(base))?;
-        frames.add(&host.picture());
+    // Hidden where stderr is no terminal.
+    let bar = ProgressBar::new(16);
+    if let Ok(style) =
+        ProgressStyle::with_template(&format!("truth of {} samples a pixel: {{pos}} of {{len}}", 16 * m * m))
+    {
+        bar.set_style(style);
     }
-    eprintln!();
-    Ok(frames.mean())
+    let tick = || {
+        bar.inc(1);
+        Ok(())
+    };
+    let camera = node_camera(camera, width, height);
+    let picture = truth::render(host, camera, 4 * m, reference::truth(base), tick)?;
+    bar.finish_and_clear();
+    Ok(picture)
 }
 
 /// Of a row beside the first one, which is not anti-aliased.

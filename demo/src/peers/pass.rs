@@ -1,6 +1,7 @@
 //! What the passes over a whole image share.
 
 use crate::host::gpu::Gpu;
+use deferred_aa::{PassKind, PassTime};
 
 /// A pipeline that draws one triangle over a target, and its bind group's layout.
 #[derive(Debug)]
@@ -114,6 +115,13 @@ pub struct PeerShot {
     /// On top of what made the image, `display` included: by GPU timestamps, from the begin of the peer's first pass to
     /// the end of its last. SMAA's holds the time between its three submits too. `None` on a device without timestamps.
     pub milliseconds: Option<f64>,
+}
+
+impl PeerShot {
+    /// Its time, to stand beside those of the node's passes.
+    pub fn pass(self, name: &'static str) -> PassTime {
+        PassTime { name, kind: PassKind::Host, milliseconds: self.milliseconds }
+    }
 }
 
 /// Two timestamps, from the begin of one pass to the end of another, which may be in different submits.

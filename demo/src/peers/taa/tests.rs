@@ -175,21 +175,29 @@ fn camera() -> Camera {
     node_camera(&builtin("flat").unwrap().default_camera(), 16, 9)
 }
 
-#[test]
-fn a_history_of_what_is_no_more_is_clipped_away() {
+/// The size of images that were not rendered.
+const MADE: (u32, u32) = (16, 9);
+
+/// Takes in pictures one after another, all from one place, and gives what is shown.
+fn made_frames() -> impl FnMut(&dyn Fn(u32, u32) -> [f32; 3]) -> Vec<[u8; 3]> {
     let gpu = gpu();
-    let (width, height) = (16, 9);
+    let (width, height) = MADE;
     let mut taa = Taa::new(&gpu, width, height).unwrap();
     let depth = depth(&gpu, width, height);
-    let mut run = |picture: &dyn Fn(u32, u32) -> [f32; 3]| {
+    move |picture| {
         taa.run(&texture(&gpu, width, height, picture), &depth, camera()).unwrap();
         taa.picture().to_srgb8()
-    };
+    }
+}
+
+#[test]
+fn a_history_of_what_is_no_more_is_clipped_away() {
+    let mut run = made_frames();
     // Nobody tells of this cut: without the box 0.9 of the first picture would shine through.
     run(&|_, _| [9.0, 0.5, 0.0]);
     let shown = run(&|x, _| grey(if x < 8 { 60 } else { 160 }));
     for (i, shown) in shown.iter().enumerate() {
-        let x = i as u32 % width;
+        let x = i as u32 % MADE.0;
         // Beside the edge the box holds both sides.
         let expected: u8 = if x < 8 { 60 } else { 160 };
         assert!((7..=8).contains(&x) || shown.iter().all(|c| c.abs_diff(expected) <= 1), "{x}: {shown:?}");
@@ -199,14 +207,7 @@ fn a_history_of_what_is_no_more_is_clipped_away() {
 
 #[test]
 fn what_is_not_finite_does_not_stay() {
-    let gpu = gpu();
-    let (width, height) = (16, 9);
-    let mut taa = Taa::new(&gpu, width, height).unwrap();
-    let depth = depth(&gpu, width, height);
-    let mut run = |picture: &dyn Fn(u32, u32) -> [f32; 3]| {
-        taa.run(&texture(&gpu, width, height, picture), &depth, camera()).unwrap();
-        taa.picture().to_srgb8()
-    };
+    let mut run = made_frames();
     let lost = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY];
     for hole in [&|x, y| if (x, y) == (7, 4) { lost } else { grey(90) }, &|_, _| lost] as [&dyn Fn(u32, u32) -> _; 2] {
         assert!(run(hole).iter().all(|&c| c != crate::picture::NOT_FINITE));

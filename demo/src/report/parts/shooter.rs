@@ -3,12 +3,12 @@
 use crate::host::{Host, Shot};
 use crate::measure::stats::Stats;
 use crate::peers::msaa::{Msaa, NAME};
-use crate::peers::taa::{PHASES, Taa};
+use crate::peers::taa::{self, PHASES, Taa};
 use crate::peers::{AnyPeer, Peers};
 use crate::picture::Picture;
 use crate::report::ReportError;
 use crate::report::plan::Planned;
-use deferred_aa::{Camera, PassKind, PassTime};
+use deferred_aa::Camera;
 
 /// Frames of a still camera until a history has settled: what is left of the first then is 3 %.
 const STILL_FRAMES: u32 = 2 * PHASES;
@@ -44,19 +44,17 @@ impl Shooter {
         };
         let mut shot = self.host.frame_with(rendered, planned.settings)?;
         if let (Some(AnyPeer::Msaa), Some(msaa)) = (planned.peer, &mut self.msaa) {
-            let milliseconds = msaa.run(&mut self.host, camera)?.milliseconds;
-            shot.statistics.passes = vec![PassTime { name: NAME, kind: PassKind::Host, milliseconds }];
+            shot.statistics.passes = vec![msaa.run(&mut self.host, camera)?.pass(NAME)];
             return Ok(Shot { gbuffer_ms: Some(0.0), ..shot });
         }
-        let milliseconds = match (planned.peer, &mut self.peers, &mut self.taa, self.host.aa.gbuffer()) {
-            (Some(AnyPeer::Image(peer)), Some(peers), ..) => peers.run(peer, self.host.target())?.milliseconds,
+        let peer = match (planned.peer, &mut self.peers, &mut self.taa, self.host.aa.gbuffer()) {
+            (Some(AnyPeer::Image(peer)), Some(peers), ..) => peers.run(peer, self.host.target())?.pass(peer.name()),
             (Some(AnyPeer::Taa), _, Some(taa), Some(gbuffer)) => {
-                taa.run(self.host.target(), &gbuffer.depth, camera)?.milliseconds
+                taa.run(self.host.target(), &gbuffer.depth, camera)?.pass(taa::NAME)
             }
             _ => return Ok(shot),
         };
-        let name = planned.peer.map_or("", AnyPeer::name);
-        shot.statistics.passes.push(PassTime { name, kind: PassKind::Host, milliseconds });
+        shot.statistics.passes.push(peer);
         Ok(shot)
     }
 

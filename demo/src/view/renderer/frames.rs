@@ -8,7 +8,7 @@ use super::wanted::View;
 use crate::host::{HostError, Shot};
 use crate::measure::stats::Stats;
 use crate::peers::Peers;
-use deferred_aa::{DebugView, PassKind, PassTime, PlanWord, Settings, Technique};
+use deferred_aa::{DebugView, PlanWord, Settings, Technique};
 use std::sync::Arc;
 
 /// Frames of full supersampling that are measured.
@@ -25,8 +25,7 @@ impl Renderer {
                 Some(peers) => peers,
                 none => none.insert(Peers::new(&host.gpu, host.options.width, host.options.height)?),
             };
-            let milliseconds = peers.run(peer, host.target())?.milliseconds;
-            shot.statistics.passes.push(PassTime { name: peer.name(), kind: PassKind::Host, milliseconds });
+            shot.statistics.passes.push(peers.run(peer, host.target())?.pass(peer.name()));
         }
         Ok(Some(shot))
     }
