@@ -77,6 +77,7 @@ pub struct Windowed {
     pub luminance_centre: bool,
     pub identity_samples: f32,
     pub shadow_samples: f32,
+    pub shadow_reach: u32,
     pub user_scale: f32,
     pub least_samples: f32,
     pub footprint: f32,

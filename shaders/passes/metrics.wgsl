@@ -3,6 +3,8 @@
 
 @group(3) @binding(0) var daa_first: texture_2d<f32>;
 @group(3) @binding(1) var<storage, read_write> daa_counts: array<u32>;
+/// What `probe` has found, in the place of the plan.
+@group(3) @binding(2) var<storage, read> daa_probed: array<u32>;
 
 /// The depth of a sample, beyond the image that of its border; 0 for the sky.
 fn daa_depth(at: vec2i) -> f32 {
@@ -143,11 +145,12 @@ fn daa_mixed_identity(w: DaaWindow) -> bool {
     return w.covered > 0.0 && (w.identities.x != w.identities.y || w.covered < f32(DAA_M * DAA_M));
 }
 
-/// Whether the window's first sample has other shadow bits than that of a direct neighbour. The sky is ignored.
-fn daa_mixed_shadow(pixel: vec2i) -> bool {
+/// Whether an edge of a shadow may cross the window: `probe` has found one, or the first sample has other shadow bits
+/// than that of a direct neighbour. The sky is ignored.
+fn daa_mixed_shadow(pixel: vec2i, slot: u32) -> bool {
     let last = vec2i(daa_frame.size) - 1;
     let bits = daa_shadow_bits(vec2u(pixel), 0u);
-    var mixed = false;
+    var mixed = daa_shadow_probed() && daa_probed[slot] != 0u;
     for (var i = 0; i < 4; i++) {
         let step = select(vec2i(i - 2, 0), vec2i(0, i - 1), (i & 1) == 0);
         let at = vec2u(clamp(pixel + step, vec2i(0), last));
@@ -243,7 +246,7 @@ fn daa_metrics_main(
         by = select(by, DAA_BY_IDENTITY, wanted > k);
         k = max(k, wanted);
     }
-    if daa_frame.windowed.shadow_samples > 0.0 && daa_mixed_shadow(vec2i(id.xy)) {
+    if daa_frame.windowed.shadow_samples > 0.0 && daa_mixed_shadow(vec2i(id.xy), slot) {
         let wanted = daa_frame.windowed.shadow_samples;
         by = select(by, DAA_BY_SHADOW, wanted > k);
         k = max(k, wanted);

@@ -105,6 +105,18 @@ fn daa_planned_sample(tile: vec2u, i: u32) -> vec2u {
     return vec2u(place, in_window + 1u);
 }
 
+const DAA_NO_TILE: u32 = 0xffffffffu;
+
+/// The tile of a workgroup over the list of tiles of a kind. x is DAA_NO_TILE beyond its end.
+fn daa_listed_tile(group: vec2u, kind: u32) -> vec2u {
+    let place = group.y * daa_tile_lists[kind * 4u + 1u] + group.x;
+    if place >= daa_tile_lists[kind * 4u] {
+        return vec2u(DAA_NO_TILE);
+    }
+    let listed = daa_tile_lists[8u + kind * daa_tile_count() + place];
+    return vec2u(listed % daa_frame.tiles_x, listed / daa_frame.tiles_x);
+}
+
 /// The samples of a lane. There are none outside the image, or beyond the end of the list of tiles of this kind.
 fn daa_ranks(group: vec2u, lane: u32, kind: u32) -> DaaRanks {
     if daa_casting.samples == DAA_SAMPLES_POINTS {
@@ -114,12 +126,10 @@ fn daa_ranks(group: vec2u, lane: u32, kind: u32) -> DaaRanks {
     if daa_casting.samples == DAA_SAMPLES_AUDITED {
         tile = daa_tile_of_image(daa_audited_tile(group));
     } else {
-        let place = group.y * daa_tile_lists[kind * 4u + 1u] + group.x;
-        if place >= daa_tile_lists[kind * 4u] {
+        tile = daa_listed_tile(group, kind);
+        if tile.x == DAA_NO_TILE {
             return DaaRanks(vec2u(0u), 0u, 0u, 1u);
         }
-        let listed = daa_tile_lists[8u + kind * daa_tile_count() + place];
-        tile = vec2u(listed % daa_frame.tiles_x, listed / daa_frame.tiles_x);
     }
     if daa_casting.samples == DAA_SAMPLES_PLANNED {
         let last = daa_plan[daa_tile_index(tile) * 64u + 63u];

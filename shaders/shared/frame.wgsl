@@ -98,7 +98,8 @@ struct DaaSurfaces {
     block_spread: f32,
     /// The difference of a displayed channel between the corners up to which it does.
     block_contrast: f32,
-    /// How far around a window a difference of shadow bits makes all its samples cast rays, in pixels.
+    /// How far around a change of shadow `probe` looks for shadows that first samples miss, in pixels, for `Windowed`, too.
+    /// 0: it does not run.
     shadow_reach: u32,
 }
 
@@ -200,6 +201,11 @@ const DAA_FLAG_LUMINANCE_CHANNELS: u32 = 0x10000000u;
 
 fn daa_flag(bits: u32) -> bool {
     return (daa_frame.flags & bits) != 0u;
+}
+
+/// Whether `probe` has run.
+fn daa_shadow_probed() -> bool {
+    return daa_frame.casting > 0u && daa_frame.surfaces.shadow_reach > 0u;
 }
 
 /// Whether a pixel is written to the target. Others are only there for their neighbours.

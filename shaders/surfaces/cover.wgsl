@@ -4,6 +4,8 @@
 
 @group(3) @binding(0) var<storage, read_write> daa_surfaces: array<u32>;
 @group(3) @binding(1) var<storage, read_write> daa_counts: array<u32>;
+/// What `probe` has found, in the place of the plan.
+@group(3) @binding(2) var<storage, read> daa_probed: array<u32>;
 
 /// What a sample shows.
 struct DaaSeen {
@@ -61,25 +63,32 @@ fn daa_reflected_color(pixel: vec2u) -> vec3f {
     return c / (1.0 + c);
 }
 
-/// How many of the window's samples cast rays. Where the bits of all windows near agree, one surface fills this window,
-/// and those beside it reflect alike, the first sample speaks for all.
+/// Whether `probe` has found an edge of a shadow in the window or one beside it: it may also pass between what was probed.
+fn daa_near_edge(pixel: vec2u) -> bool {
+    var is_near = false;
+    for (var i = 0u; i < 9u && daa_shadow_probed(); i++) {
+        let beside = daa_nearest_pixel(vec2i(pixel) + vec2i(i32(i % 3u), i32(i / 3u)) - 1);
+        // Nothing is probed where there is no surface.
+        let is_surface = daa_depth_at(beside * DAA_M + daa_order(0u)) > DAA_SKY_DEPTH;
+        is_near = is_near || (is_surface && daa_probed[daa_slot(beside)] != 0u);
+    }
+    return is_near;
+}
+
+/// How many of the window's samples cast rays. Where one surface fills the window, `probe` has found no edge of a shadow in
+/// it, and the windows beside it reflect alike, the first sample speaks for all.
 fn daa_rays_wanted(pixel: vec2u, surfaces: u32) -> u32 {
     let n = DAA_M * DAA_M;
-    let bits = daa_shadow_bits(pixel, 0u);
-    let reflected = daa_reflected_color(pixel);
-    var differs = surfaces > 1u;
-    var contrast = 0.0;
-    let reach = i32(daa_frame.surfaces.shadow_reach);
-    for (var y = -reach; y <= reach && !differs; y++) {
-        for (var x = -reach; x <= reach; x++) {
-            differs = differs || daa_shadow_bits(daa_nearest_pixel(vec2i(pixel) + vec2i(x, y)), 0u) != bits;
-        }
+    if surfaces > 1u || daa_near_edge(pixel) {
+        return n;
     }
+    let reflected = daa_reflected_color(pixel);
+    var contrast = 0.0;
     for (var i = 0u; i < 9u; i++) {
         let beside = daa_nearest_pixel(vec2i(pixel) + vec2i(i32(i % 3u), i32(i / 3u)) - 1);
         contrast = max(contrast, daa_greatest_channel(abs(daa_reflected_color(beside) - reflected)));
     }
-    if differs || contrast > DAA_SEEN_CONTRAST {
+    if contrast > DAA_SEEN_CONTRAST {
         return n;
     }
     return select(1u, min(n, 4u), contrast > 0.25 * DAA_SEEN_CONTRAST);

@@ -31,6 +31,8 @@ pub struct Input<'a> {
     pub user: &'a [u32],
     /// The shadow bits of the first samples, width × height; empty if nothing was traced.
     pub shadow: &'a [u32],
+    /// Whether `probe` has found an edge of a shadow in each window, width × height; empty if it has not run.
+    pub probed: &'a [bool],
     /// The exposure, [`Frame::exposure`](crate::Frame::exposure).
     pub exposure: f32,
 }
@@ -178,7 +180,8 @@ impl Input<'_> {
         all.any(|i| Some(i) != first)
     }
 
-    /// Whether the first sample has other shadow bits than that of a direct neighbour. The sky is ignored.
+    /// Whether an edge of a shadow was found in the window, or the first sample has other shadow bits than that of a direct
+    /// neighbour. The sky is ignored.
     pub fn mixed_shadow(&self, px: usize, py: usize) -> bool {
         let corner = |x: usize, y: usize| {
             let (dx, dy) = crate::window::order(self.m as u32)[0];
@@ -191,7 +194,8 @@ impl Input<'_> {
             (px, py.saturating_sub(1)),
             (px, (py + 1).min(self.height - 1)),
         ];
-        corner(px, py) && around.into_iter().any(|(x, y)| corner(x, y) && bits(x, y) != bits(px, py))
+        let probed = self.probed.get(py * self.width + px).copied().unwrap_or(false);
+        corner(px, py) && (probed || around.into_iter().any(|(x, y)| corner(x, y) && bits(x, y) != bits(px, py)))
     }
 
     /// The k of a window: the greatest of all metrics.

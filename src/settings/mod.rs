@@ -22,6 +22,9 @@ pub use surfaces::Surfaces;
 pub use view::DebugView;
 pub use windowed::{DepthMeasure, Preset, Windowed};
 
+/// The greatest reach of a change of shadow, which is also the apron of a band.
+const MOST_SHADOW_REACH: u32 = 4;
+
 /// The library's Rust source of all settings, for tools that show their documentation.
 pub const SETTINGS_SOURCE: &[&str] = &[
     include_str!("mod.rs"),

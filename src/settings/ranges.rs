@@ -1,6 +1,6 @@
 //! The range of every numeric setting.
 
-use super::{Goal, Settings, Surfaces, Windowed};
+use super::{Goal, MOST_SHADOW_REACH, Settings, Surfaces, Windowed};
 
 /// The values that a numeric setting may take.
 #[derive(Debug, Clone, Copy)]
@@ -78,6 +78,7 @@ impl Settings {
         range!(windowed.luminance_edge, 0.0, 1.0, Linear),
         range!(windowed.identity_samples, 0.0, Windowed::MOST_SAMPLES, Linear),
         range!(windowed.shadow_samples, 0.0, Windowed::MOST_SAMPLES, Linear),
+        range!(windowed.shadow_reach, 0.0, MOST_SHADOW_REACH as f32, Whole),
         range!(windowed.user_scale, 0.0, Windowed::MOST_SCALE, Logarithmic),
         range!(windowed.least_samples, 1.0, Windowed::MOST_SAMPLES, Linear),
         range!(windowed.footprint, 0.0, 4.0, Linear),
@@ -112,7 +113,7 @@ impl Settings {
         range!(surfaces.tap_spread, 0.0, 1e6, Logarithmic),
         range!(surfaces.block_spread, 0.0, 1e6, Logarithmic),
         range!(surfaces.block_contrast, 0.0, 1.0, Logarithmic),
-        range!(surfaces.shadow_reach, 0.0, Surfaces::MOST_REACH as f32, Whole),
+        range!(surfaces.shadow_reach, 0.0, MOST_SHADOW_REACH as f32, Whole),
         range!(surfaces.surfaces, 1.0, Surfaces::MOST_SURFACES as f32, Whole),
         range!(surfaces.normal_cosine, -1.0, 1.0, Linear),
         range!(surfaces.plane, 0.0, 1.0, Logarithmic),

@@ -38,11 +38,10 @@ pub struct Surfaces {
     /// The greatest difference of a displayed channel between a block's corners (c/(1+c), 0 to 1) up to which the light
     /// between them is interpolated. Higher: fewer lights, small highlights and the rims of lights are missed.
     pub block_contrast: f32,
-    /// How far from a change of shadow all samples of a window cast shadow rays, 0 to 4 pixels. Further off, and where
-    /// one surface fills the window, the first sample casts for all. Higher: thin shadows that first samples hit here
-    /// and there come out whole, for more rays and more room for them
-    /// ([`Settings::ray_samples`](crate::Settings::ray_samples); a small image full of shadow edges may want it raised).
-    /// 0: only windows of several surfaces.
+    /// How far from a change of shadow three more samples of a window cast shadow rays, 0 to 4 pixels, and all of them
+    /// where one of those is lit otherwise than the first. Further off, and where one surface fills the window, the first
+    /// sample casts for all. Higher: thin shadows that first samples hit here and there come out whole, for more rays.
+    /// 0: all samples cast only in windows of several surfaces.
     pub shadow_reach: u32,
     /// The most surfaces that are told apart in a window, 1 to 6. The samples of further ones are merged into the last;
     /// [`SurfaceCounts::merged`](crate::SurfaceCounts::merged) counts such windows. Higher: better foliage, ropes and
@@ -70,8 +69,6 @@ impl Surfaces {
     pub(crate) const MOST_GROUPS: u32 = 8;
     /// The most surfaces of a window: their labels and their number have three bits each.
     pub(crate) const MOST_SURFACES: u32 = 6;
-    /// The greatest reach of a change of shadow, which is also the apron of a band.
-    pub(crate) const MOST_REACH: u32 = 4;
 
     /// These settings with all spreads divided by 2^effort, which lies in -12 to 8. At 0 they stay as they are, at 8
     /// taps share a light only if they are the same.

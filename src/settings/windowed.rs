@@ -45,6 +45,11 @@ pub struct Windowed {
     /// to 64. Only where shadows are traced. Higher: better edges of faint shadows; 0: off, shadows are then detected
     /// only by their luminance. Not in the paper.
     pub shadow_samples: f32,
+    /// How far from a change of shadow three more samples of a window cast shadow rays, 0 to 4 pixels. Where one of them is
+    /// lit otherwise than the first, the window gets [`shadow_samples`](Self::shadow_samples). Higher: thin shadows that
+    /// first samples hit here and there come out whole, for more rays. 0: none do. Only where shadows are traced. Not in the
+    /// paper.
+    pub shadow_reach: u32,
     /// Samples per unit of the range that the host's own 32 bits, `user`, have over the window's samples, 0 to 1e6. Each
     /// of their four bytes counts from 0 to 1, and the greatest range is taken. Higher: more samples where vertex
     /// colours, or whatever the host keeps there, differ, so that 255 times n sees any difference. Lower: fewer; 0: off,
@@ -99,6 +104,7 @@ impl Windowed {
         luminance_centre: false,
         identity_samples: 0.0,
         shadow_samples: 0.0,
+        shadow_reach: 0,
         user_scale: 0.0,
         least_samples: 1.0,
         footprint: 1.0,
@@ -129,6 +135,7 @@ impl Windowed {
         luminance_centre: true,
         identity_samples: 0.0,
         shadow_samples: 8.0,
+        shadow_reach: 2,
         user_scale: 0.0,
         least_samples: 1.0,
         footprint: 1.0,
@@ -200,6 +207,7 @@ impl Preset {
                 luminance_scale: 28.0,
                 luminance_min: 0.08,
                 luminance_edge: 0.12,
+                shadow_reach: 1,
                 footprint: 0.6,
                 ..Windowed::OURS
             },
@@ -218,6 +226,7 @@ impl Preset {
                 luminance_scale: 176.0,
                 luminance_min: 0.02,
                 luminance_edge: 0.057,
+                shadow_reach: 3,
                 footprint: 0.5,
                 ..Windowed::OURS
             },

@@ -3,7 +3,7 @@
 use crate::gpu::step::Step;
 use crate::gpu::uniforms::casting::CastSamples;
 use crate::host::needs::RayInputs;
-use crate::passes::rays::{classify, places, reflect, trace};
+use crate::passes::rays::{classify, places, probe, reflect, trace};
 
 /// The step that lists the tiles in which rays are needed.
 pub(super) fn classified(inputs: RayInputs) -> Option<Step> {
@@ -22,6 +22,12 @@ pub(super) fn cast(inputs: RayInputs, samples: CastSamples) -> impl Iterator<Ite
     };
     let wanted = [(inputs.shadows, trace), (inputs.reflections, reflect)];
     wanted.into_iter().filter(|(is, _)| *is).map(move |(_, pass)| Step::cast(pass, samples))
+}
+
+/// The step that looks for shadows that first samples miss, so far from those that they hit.
+pub(super) fn probed(inputs: RayInputs, reach: u32) -> Option<Step> {
+    // It chooses samples itself, so the constants of first ones do.
+    (inputs.shadows && reach > 0).then(|| Step::cast(&probe::PROBE, CastSamples::First))
 }
 
 /// The steps that cast rays from the samples that a plan has beyond the first, and first find the places of their

@@ -45,11 +45,14 @@ impl Method for Surfaces {
         let light: &'static PassData = if inputs.any() { &light::TRACED } else { &light::LIGHT };
         let shown = Shown { image: &resolve::COLOR, planned: false, surfaces: true, classified: inputs.any(), inputs };
         let audit: &'static PassData = if inputs.any() { &audit::TRACED } else { &audit::AUDIT };
+        let probe = rays::probed(inputs, settings.surfaces.shadow_reach);
+        let cover: &'static PassData = if probe.is_some() { &cover::PROBED } else { &cover::COVER };
         let steps = Steps::default()
             .then_all(rays::classified(inputs))
             .then_all(rays::cast(inputs, CastSamples::First))
+            .then_all(probe)
             .then_if(settings.view == DebugView::First, &first::FIRST)
-            .then(&cover::COVER)
+            .then(cover)
             .then_all(inputs.any().then(|| Step::from(&plan::PLAN)))
             .then_all(rays::cast_planned(inputs))
             .then(light)

@@ -4,6 +4,7 @@ use super::image::{Shown, image_or_view};
 use super::method::{Counted, Effort, Method, Windows};
 use super::planned::{blocks, planned};
 use super::rays;
+use crate::gpu::binding::PassData;
 use crate::gpu::sizes::CastingRanks;
 use crate::gpu::step::Steps;
 use crate::gpu::uniforms::casting::CastSamples;
@@ -28,6 +29,7 @@ impl Method for Windowed {
         uniform.flag(flag::EDGE_AWARE_FIRST, w.edge_aware_first);
         uniform.around = blocks(settings.execution);
         uniform.footprint = w.footprint;
+        uniform.surfaces.shadow_reach = w.shadow_reach;
         uniform.least_samples = w.least_samples;
         uniform.tile_limit = w.tile_limit;
         uniform.windowed = WindowedUniform {
@@ -51,11 +53,14 @@ impl Method for Windowed {
     fn steps(&self, settings: &Settings, inputs: RayInputs) -> Steps {
         let shown =
             Shown { image: &resolve::BY_PLAN, planned: true, surfaces: false, classified: inputs.any(), inputs };
+        let probe = rays::probed(inputs, settings.windowed.shadow_reach);
+        let metrics: &'static PassData = if probe.is_some() { &metrics::PROBED } else { &metrics::METRICS };
         let steps = Steps::default()
             .then_all(rays::classified(inputs))
             .then_all(rays::cast(inputs, CastSamples::First))
+            .then_all(probe)
             .then(&first::FIRST)
-            .then(&metrics::METRICS)
+            .then(metrics)
             .then_all(planned(settings.execution, inputs))
             .then(image_or_view(settings, &shown));
         if !matches!(settings.goal, Some(Goal::Error(_))) {
@@ -77,7 +82,8 @@ impl Method for Windowed {
         Some(settings.execution)
     }
 
-    fn apron(&self, settings: &Settings, _: RayInputs) -> u32 {
-        1 + blocks(settings.execution)
+    fn apron(&self, settings: &Settings, inputs: RayInputs) -> u32 {
+        let reach = if inputs.shadows { settings.windowed.shadow_reach } else { 0 };
+        reach.max(1) + blocks(settings.execution)
     }
 }

@@ -250,6 +250,7 @@ impl Rig {
             first: &first,
             user: &user,
             shadow: &[],
+            probed: &[],
             exposure: self.exposure,
         })
     }

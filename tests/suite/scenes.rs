@@ -2,6 +2,7 @@
 //! they are at hand.
 
 use crate::harness::{device, has_bindings};
+use crate::shadows::probed;
 use deferred_aa::glam::{Vec2, Vec3};
 use deferred_aa::rays::RayTier;
 use deferred_aa::reference::metrics::{Input, Worth};
@@ -43,7 +44,7 @@ fn shot(host: &mut Host, camera: &Camera, settings: Settings) -> (Picture, defer
 }
 
 /// What the metrics of the host's last frame read, as the twin takes it.
-fn with_input<T>(host: &Host, use_it: impl FnOnce(&Input<'_>) -> T) -> T {
+fn with_input<T>(host: &Host, probed: &[bool], use_it: impl FnOnce(&Input<'_>) -> T) -> T {
     let gbuffer = host.aa.gbuffer().expect("a size");
     let depth: Vec<f32> = bytemuck::pod_collect_to_vec(&host.gpu.read_texture(gbuffer.depth.texture(), 4));
     let surface: Vec<[u32; 2]> = bytemuck::pod_collect_to_vec(&host.gpu.read_texture(gbuffer.color[0].texture(), 8));
@@ -62,14 +63,17 @@ fn with_input<T>(host: &Host, use_it: impl FnOnce(&Input<'_>) -> T) -> T {
         first: &first,
         user: &[],
         shadow: &shadow,
+        probed,
         exposure: 1.0,
     })
 }
 
-/// Holds k of the last, windowed frame against the twin: equal, but where the metric is next to a half, which is rare.
-fn assert_twin_agrees(host: &Host, settings: &Settings) {
+/// Holds k of a windowed frame against the twin: equal, but where the metric is next to a half, which is rare.
+fn assert_twin_agrees(host: &mut Host, camera: &Camera, settings: &Settings) {
+    let probed = probed(host, camera, settings, settings.windowed.shadow_reach);
+    shot(host, camera, *settings);
     let counts = host.counts(Technique::Windowed);
-    let worths: Vec<Worth> = with_input(host, |input| {
+    let worths: Vec<Worth> = with_input(host, &probed, |input| {
         (0..counts.len()).map(|i| input.worth(i % input.width, i / input.width, &settings.windowed)).collect()
     });
     let apart: Vec<_> = (0..counts.len()).filter(|&i| worths[i].k != counts[i]).collect();
@@ -93,7 +97,7 @@ fn builtin_scene(name: &str) {
     let mut arrays = host(scene, TextureTier::Arrays, 4, [96, 54]);
     let tiled = Settings::default();
     let (picture, statistics) = shot(&mut arrays, &camera, tiled);
-    assert_twin_agrees(&arrays, &tiled);
+    assert_twin_agrees(&mut arrays, &camera, &tiled);
     let again = shot(&mut arrays, &camera, tiled);
     assert!(
         (&again.0.rgba, &again.1.histogram_k) == (&picture.rgba, &statistics.histogram_k),
@@ -101,8 +105,7 @@ fn builtin_scene(name: &str) {
     );
 
     let paper = Settings { windowed: deferred_aa::Windowed::PAPER, ..tiled };
-    shot(&mut arrays, &camera, paper);
-    assert_twin_agrees(&arrays, &paper);
+    assert_twin_agrees(&mut arrays, &camera, &paper);
 
     for reconstructed in [Reconstructed::default(), Reconstructed::PAPER] {
         let settings = Settings { technique: Technique::Reconstructed, reconstructed, ..tiled };
@@ -143,7 +146,7 @@ fn builtin_scene(name: &str) {
         let of_presets = Preset::ALL.map(|preset| {
             let settings = Settings { ray_samples: 15.0, ..preset.settings() };
             let (picture, counted) = shot(&mut arrays, &camera, settings);
-            assert_twin_agrees(&arrays, &settings);
+            assert_twin_agrees(&mut arrays, &camera, &settings);
             assert_eq!(counted.without_rays, 0, "{name}");
             (counted.shaded, error(&picture))
         });
@@ -1041,7 +1044,7 @@ fn real(name: &str) {
     let camera = scene.default_camera();
     let mut host = host(scene, TextureTier::Arrays, 2, [48, 27]);
     let (picture, statistics) = shot(&mut host, &camera, Settings::default());
-    assert_twin_agrees(&host, &Settings::default());
+    assert_twin_agrees(&mut host, &camera, &Settings::default());
     // Something is to be seen, and it has edges.
     let first = picture.rgba[0];
     assert!(picture.rgba.iter().filter(|p| **p != first).count() > 100, "{name}: an empty picture");

@@ -3,8 +3,8 @@
 use bytemuck::pod_collect_to_vec;
 use deferred_aa::glam::{DAffine3, Mat4, Vec2, Vec3, Vec4, vec3};
 use deferred_aa::rays::{QUERY_FEATURES, RayTier};
-use deferred_aa::reference::rays as twin;
 use deferred_aa::reference::rays::trace::{Input, Owner};
+use deferred_aa::reference::rays::{self as twin, probe};
 use deferred_aa::{
     DeferredAa, Effect, Execution, GBufferTier, Ids, PlanWord, Reconstructed, Settings, Technique, TextureTier,
     sample_order,
@@ -61,6 +61,30 @@ pub fn bits(host: &Host) -> Vec<Vec<u32>> {
     let at = |x, y, rank| passed.traced.place(&plan, x, y, rank).map_or(0, |place| all[place]);
     let pixels = (0..host.options.height).flat_map(|y| (0..host.options.width).map(move |x| (x, y)));
     pixels.map(|(x, y)| (0..n).map(|rank| at(x, y, rank)).collect()).collect()
+}
+
+/// The windows in which `probe` finds an edge of a shadow by these settings, from the bits of all samples.
+pub fn probed(host: &mut Host, camera: &Camera, settings: &Settings, reach: u32) -> Vec<bool> {
+    let m = host.options.m;
+    host.frame(camera, full()).expect("a frame");
+    if reach == 0 || host.aa.intermediates().expect("a size").shadows.is_none() {
+        return Vec::new();
+    }
+    let (all, depths) = (bits(host), host.depths());
+    let [of_full, order] = [full(), *settings].map(|settings| sample_order(&settings, m));
+    let size = [host.options.width, host.options.height].map(|side| side as usize);
+    let window = |pixel: usize| {
+        let bits = |&(x, y): &(u8, u8)| {
+            let rank = of_full.iter().position(|place| *place == (x, y)).expect("every place has a rank");
+            let corner = [pixel % size[0], pixel / size[0]].map(|at| at * m as usize);
+            let at = (corner[1] + usize::from(y)) * size[0] * m as usize + corner[0] + usize::from(x);
+            (depths[at] > 1e-30).then(|| all[pixel][rank])
+        };
+        order.iter().map(bits).collect()
+    };
+    let windows: Vec<Vec<_>> = (0..all.len()).map(window).collect();
+    let input = probe::Input { size, windows: &windows, reach: reach as usize };
+    (0..all.len()).map(|pixel| input.differs(pixel % size[0], pixel / size[0])).collect()
 }
 
 /// What rays need to know of an instance.

@@ -79,6 +79,7 @@ impl Tunable for Windowed {
         luminance_centre: true,
         identity_samples: 0.0,
         shadow_samples: 8.0,
+        shadow_reach: 2,
         user_scale: 0.0,
         least_samples: 1.0,
         footprint: 0.6,

@@ -2,6 +2,7 @@
 
 pub(crate) mod classify;
 pub(crate) mod places;
+pub(crate) mod probe;
 pub(crate) mod reflect;
 pub(crate) mod trace;
 

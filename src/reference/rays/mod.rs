@@ -2,6 +2,7 @@
 
 pub mod classify;
 pub mod places;
+pub mod probe;
 pub mod reflect;
 pub mod shared_exponent;
 pub mod trace;

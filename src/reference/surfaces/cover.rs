@@ -92,11 +92,11 @@ fn is_same_surface(a: &Seen, b: &Seen, forward: DVec3, settings: &Surfaces) -> (
     (off <= plane && n.dot(o) >= cosine, margin)
 }
 
-/// What the first samples around a window have found.
+/// What the rays around a window have found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Around {
-    /// Whether shadow bits within `shadow_reach` differ from the window's.
-    pub shadows_differ: bool,
+    /// Whether `probe` has found an edge of a shadow in the window or in one of its eight neighbours.
+    pub shadow_edge: bool,
     /// The greatest difference of a channel between what the window's first sample reflects, exposed and as c/(1+c), and
     /// what those of its eight neighbours do.
     pub contrast: f64,
@@ -106,7 +106,7 @@ pub struct Around {
 pub fn rays(n: usize, surfaces: u8, around: &Around) -> (usize, f64) {
     const SEEN: f64 = 0.02;
     let margin = (around.contrast - SEEN).abs().min((around.contrast - 0.25 * SEEN).abs());
-    if surfaces > 1 || around.shadows_differ {
+    if surfaces > 1 || around.shadow_edge {
         return (n, f64::INFINITY);
     }
     let few = if around.contrast > 0.25 * SEEN { n.min(4) } else { 1 };
