@@ -35,10 +35,17 @@ fn daa_worth_tracing(pixel: vec2u) -> bool {
     return false;
 }
 
+/// Whether a planned sample casts rays only since `Surfaces` found that what is reflected there differs. No edge of a shadow
+/// is near.
+fn daa_reflects_alone(pixel: vec2u) -> bool {
+    return daa_casting.samples == DAA_SAMPLES_PLANNED && daa_flag(DAA_FLAG_SURFACES)
+        && daa_plan_by(daa_plan[daa_slot(pixel)]) == DAA_BY_LUMINANCE;
+}
+
 @compute @workgroup_size(64)
 fn daa_trace_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
     let ranks = daa_ranks(group.xy, lane, DAA_TILES_SURFACE);
-    // Otherwise all geometric samples take the bits of the first sample, which is traced.
+    // Otherwise the samples take the bits of the window's first one, which is traced.
     var traces = true;
     if daa_casting.samples == DAA_SAMPLES_GEOMETRIC && !daa_flag(DAA_FLAG_TRACE_ALL) && ranks.end > 0u {
         traces = daa_worth_tracing(ranks.pixel);
@@ -50,7 +57,7 @@ fn daa_trace_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation
             continue;
         }
         var bits = vec2u(0u);
-        if traces {
+        if traces && !daa_reflects_alone(caster.pixel) {
             let s = daa_fetch(caster.pixel, caster.rank, 1.0, vec2f(0.0));
             if s.depth != 0.0 {
                 bits = daa_shadows_at(s.relative_position, s.normal, s.geometric_normal, s.object);

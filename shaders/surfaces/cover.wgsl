@@ -75,12 +75,16 @@ fn daa_near_edge(pixel: vec2u) -> bool {
     return is_near;
 }
 
-/// How many of the window's samples cast rays. Where one surface fills the window, `probe` has found no edge of a shadow in
-/// it, and the windows beside it reflect alike, the first sample speaks for all.
+/// How many of the window's samples cast rays, and why. Where one surface fills the window, `probe` has found no edge of a
+/// shadow near it, and the windows beside it reflect alike, the first sample speaks for all. Where only what is
+/// reflected differs, its shadow bits hold for all.
 fn daa_rays_wanted(pixel: vec2u, surfaces: u32) -> u32 {
     let n = DAA_M * DAA_M;
-    if surfaces > 1u || daa_near_edge(pixel) {
-        return n;
+    if surfaces > 1u {
+        return daa_count_word(n, DAA_BY_IDENTITY, 0u);
+    }
+    if daa_near_edge(pixel) {
+        return daa_count_word(n, DAA_BY_SHADOW, 0u);
     }
     let reflected = daa_reflected_color(pixel);
     var contrast = 0.0;
@@ -89,9 +93,12 @@ fn daa_rays_wanted(pixel: vec2u, surfaces: u32) -> u32 {
         contrast = max(contrast, daa_greatest_channel(abs(daa_reflected_color(beside) - reflected)));
     }
     if contrast > DAA_SEEN_CONTRAST {
-        return n;
+        return daa_count_word(n, DAA_BY_LUMINANCE, 0u);
     }
-    return select(1u, min(n, 4u), contrast > 0.25 * DAA_SEEN_CONTRAST);
+    if contrast > 0.25 * DAA_SEEN_CONTRAST {
+        return daa_count_word(min(n, 4u), DAA_BY_LUMINANCE, 0u);
+    }
+    return daa_count_word(1u, DAA_BY_NOTHING, 0u);
 }
 
 @compute @workgroup_size(8, 8)
@@ -138,7 +145,7 @@ fn daa_cover_main(
         surfaces += 1u;
     }
     daa_surfaces[slot] = daa_surface_word(surfaces, merged);
-    daa_counts[slot] = daa_count_word(daa_rays_wanted(pixel, surfaces), DAA_BY_NOTHING, 0u);
+    daa_counts[slot] = daa_rays_wanted(pixel, surfaces);
     if surfaces == 1u {
         return;
     }
