@@ -36,7 +36,7 @@ fn daa_probe_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation
     let tile = daa_listed_tile(group.xy, DAA_TILES_SURFACE);
     let pixel = daa_tile_pixel(tile, lane);
     var rays = 0u;
-    if tile.x != DAA_NO_TILE && daa_is_counted(pixel) {
+    if tile.x != DAA_NO_TILE && all(pixel < daa_frame.size) {
         let is_surface = daa_depth_at(pixel * DAA_M + daa_order(0u)) > DAA_SKY_DEPTH;
         let place = daa_sample_index(pixel, 0u);
         let bits = daa_shadows[place];

@@ -86,7 +86,8 @@ impl Method for Surfaces {
     }
 
     fn apron(&self, settings: &Settings, inputs: RayInputs) -> u32 {
-        // Shadow bits and reflections are compared with those of the windows around.
-        if inputs.any() { settings.surfaces.shadow_reach.max(1) } else { 0 }
+        // Edges of shadows and reflections are those of the windows around, too, and edges are looked for within the reach.
+        let reach = if inputs.shadows { settings.surfaces.shadow_reach } else { 0 };
+        if inputs.any() { 1 + reach } else { 0 }
     }
 }
