@@ -193,7 +193,7 @@ fn answers() {
         ("report --m 9", "--m: 9 is not in 1 to 8"),
         (
             "report --techniques windowed,taa2",
-            "--techniques: no technique 'taa2': did you mean taa? choose full, single, windowed, reconstructed, selective, multiresolution, surfaces, fxaa, smaa, taa, msaa4x",
+            "--techniques: no technique 'taa2': did you mean taa? choose full, single, windowed, reconstructed, selective, multiresolution, surfaces, fxaa, smaa, taa, msaa2x, msaa4x, msaa8x",
         ),
         ("tune --m 1", "--m: 1 is not in 2 to 8"),
         ("bench --minutes 0", "--minutes: 0 is not a time: more than 0"),

@@ -596,6 +596,30 @@ fn places_that_can_not_be_written_are_refused_before_the_work() {
 }
 
 #[test]
+fn numbers_of_samples_that_the_adapter_lacks_are_named_and_left_out() {
+    let folder = Folder::new("samples");
+    let output = report(&folder, &["--techniques", "msaa2x,msaa4x,msaa8x"]);
+    let said = text(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    let found = folder.json();
+    let ids: Vec<_> = entries(&found).iter().map(|entry| entry["id"].as_str().unwrap()).collect();
+    assert!(ids.contains(&"msaa4x-m1"), "{ids:?}");
+    let lacking = ["msaa2x", "msaa8x"].into_iter().filter(|name| !ids.contains(&format!("{name}-m1").as_str()));
+    let lacking: Vec<_> = lacking.collect();
+    let why = "left out: this adapter lacks that number of samples a pixel in Rgba16Float or Depth32Float\n";
+    let note = match lacking.as_slice() {
+        [] => return assert!(!said.contains("left out"), "{said}"),
+        [name] => format!("note: {name} is {why}"),
+        names => format!("note: {} are {why}", names.join(", ")),
+    };
+    assert!(said.contains(&note), "{said}");
+    for name in lacking {
+        let without = format!("nothing to measure without {name}: this adapter lacks");
+        assert_refused(&report(&folder, &["--techniques", name]), &["--techniques", &without, "name other techniques"]);
+    }
+}
+
+#[test]
 fn bad_input_is_refused() {
     let folder = Folder::new("bad");
     assert_refused(&report(&folder, &["--techniques", "full,magic"]), &["--techniques", "'magic'", "windowed"]);
@@ -605,5 +629,9 @@ fn bad_input_is_refused() {
     assert_refused(&report(&folder, &["--m", "1", "--techniques", "full"]), &["--m", "nothing to measure"]);
     assert_refused(&report(&folder, &["--size", "100000x100000"]), &["--out", "MB"]);
     assert_refused(&report(&folder, &["--scene", "mirrors", "--techniques", "msaa4x"]), &["--techniques", "rays"]);
+    assert_refused(
+        &report(&folder, &["--scene", "mirrors", "--techniques", "msaa8x,msaa2x"]),
+        &["msaa2x, msaa8x", "rays"],
+    );
     assert!(!Path::new(&folder.out().join("report.json")).exists());
 }

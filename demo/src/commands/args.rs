@@ -195,7 +195,7 @@ impl SceneArgs {
         let traces = settings.is_none_or(|settings| host::traces(&scene, settings));
         let (textures, rays) = (self.textures.tier(), traces.then(|| self.rays.tier()));
         let gbuffer = GBufferArg::tier(self.gbuffer, &scene, &adapter, textures, rays)?;
-        let gpu = Gpu::new(adapter, &host::descriptor(m, textures, rays, gbuffer))?;
+        let gpu = Gpu::for_peers(adapter, &host::descriptor(m, textures, rays, gbuffer))?;
         let own = scene.default_camera();
         let camera = self.camera.map_or(own, |c| look_at(c.eye, c.target, c.fov_y, own.near));
         Ok(Opened { scene, gpu, camera, gbuffer, traces })

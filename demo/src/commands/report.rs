@@ -5,14 +5,14 @@ use super::error::{CommandError, wrong};
 use super::output::say;
 use super::set;
 use crate::names::did_you_mean;
-use crate::peers::msaa;
+use crate::peers::msaa::{self, Refusal, Samples};
 use crate::report::folder::Folder;
 use crate::report::plan::{PEERS, TECHNIQUES};
 use crate::report::session::{Request, Session, stop_on_interrupt};
 use crate::report::{run, table};
 use crate::scene::{Instance, Scene};
 use deferred_aa::{GBufferTier, Settings};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 /// See `deferred-aa-demo report --help`.
@@ -25,8 +25,8 @@ pub struct Report {
     #[arg(long, short, value_delimiter = ',', default_value = "2,3,4")]
     m: Vec<u32>,
     /// What is measured, separated by commas; everything if not given: full, single, windowed, reconstructed,
-    /// selective, multiresolution, surfaces, fxaa, smaa, taa, msaa4x. Cost curves need the first three, the papers'
-    /// tables full and selective, or single and multiresolution.
+    /// selective, multiresolution, surfaces, fxaa, smaa, taa, msaa2x, msaa4x, msaa8x. Cost curves need the first
+    /// three, the papers' tables full and selective, or single and multiresolution.
     #[arg(long, value_delimiter = ',')]
     techniques: Vec<String>,
     /// Any field of the settings by its path, for all entries; may be repeated.
@@ -84,15 +84,18 @@ impl Report {
         }
         let Opened { scene, gpu, camera, gbuffer, .. } = self.view.open(largest, None)?;
         request.gbuffer = gbuffer;
-        if request.techniques.contains(&msaa::NAME) && !msaa::suits(&scene, &request.base) {
-            let why = "forward shading traces no rays and blends nothing, and this scene wants it";
-            request.techniques.retain(|&name| name != msaa::NAME);
+        let refusal = |samples| msaa::refusal(samples, &gpu, &scene, &request.base);
+        let mut notes = Vec::new();
+        for (why, names) in refused(&request.techniques, refusal) {
+            request.techniques.retain(|name| !names.contains(name));
             plan = run::plan_of(&request);
+            let are = if names.len() == 1 { "is" } else { "are" };
+            let names = names.join(", ");
             if plan.is_empty() {
-                let problem = format!("nothing to measure without {}: {why}; name other techniques", msaa::NAME);
+                let problem = format!("nothing to measure without {names}: {why}; name other techniques");
                 return Err(wrong("--techniques", problem));
             }
-            eprintln!("note: {} is left out: {why}", msaa::NAME);
+            notes.push(format!("note: {names} {are} left out: {why}"));
         }
         request.focus = focus(&self.focus, &scene)?;
         let folder = Folder::open(
@@ -102,6 +105,7 @@ impl Report {
             &request.subject(&scene),
             self.force,
         )?;
+        notes.iter().for_each(|note| eprintln!("{note}"));
         stop_on_interrupt();
         let parts = run::parts(&request, &plan);
         let mut session = Session::new(request, gpu, scene, camera, folder, parts);
@@ -129,6 +133,20 @@ fn techniques(names: &[String]) -> Result<Vec<&'static str>, CommandError> {
         found.ok_or_else(|| wrong("--techniques", format!("no technique '{name}':{meant} choose {}", known.join(", "))))
     };
     names.iter().map(find).collect()
+}
+
+/// Forward shading that does not stand beside the techniques, by the reason.
+fn refused(
+    techniques: &[&'static str],
+    refusal: impl Fn(Samples) -> Option<Refusal>,
+) -> BTreeMap<Refusal, Vec<&'static str>> {
+    let mut refused: BTreeMap<_, Vec<_>> = BTreeMap::new();
+    for samples in Samples::ALL.into_iter().filter(|samples| techniques.contains(&samples.name())) {
+        if let Some(why) = refusal(samples) {
+            refused.entry(why).or_default().push(samples.name());
+        }
+    }
+    refused
 }
 
 /// The objects of these numbers and names, each once.

@@ -94,17 +94,30 @@ pub fn choose(name: Option<&str>) -> Result<wgpu::Adapter, GpuError> {
 impl Gpu {
     /// A device that can run nodes of this descriptor, with the adapter's own limits so that large frames fit.
     pub fn new(adapter: wgpu::Adapter, descriptor: &Descriptor<'_>) -> Result<Self, GpuError> {
-        let requirements = DeferredAa::requirements(&adapter, descriptor);
-        if !requirements.missing.is_empty() {
-            let (name, missing) = (adapter.get_info().name, requirements.missing);
-            let without = DeferredAa::requirements(&adapter, &Descriptor { rays: None, ..*descriptor });
-            return Err(if descriptor.rays.is_some() && without.missing.is_empty() {
-                GpuError::NoRays { adapter: name, missing }
-            } else {
-                GpuError::Missing { adapter: name, missing }
-            });
+        let features = Self::needed(&adapter, descriptor)?;
+        Self::with(adapter.clone(), features, adapter.limits())
+    }
+
+    /// [`new`](Self::new) with the numbers of samples a pixel that only some adapters have, for the peers.
+    pub fn for_peers(adapter: wgpu::Adapter, descriptor: &Descriptor<'_>) -> Result<Self, GpuError> {
+        let features = Self::needed(&adapter, descriptor)?;
+        let besides = adapter.features() & wgpu::Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES;
+        Self::with(adapter.clone(), features | besides, adapter.limits())
+    }
+
+    /// The features of a device that can run nodes of this descriptor.
+    fn needed(adapter: &wgpu::Adapter, descriptor: &Descriptor<'_>) -> Result<wgpu::Features, GpuError> {
+        let requirements = DeferredAa::requirements(adapter, descriptor);
+        if requirements.missing.is_empty() {
+            return Ok(requirements.features);
         }
-        Self::with(adapter.clone(), requirements.features, adapter.limits())
+        let (name, missing) = (adapter.get_info().name, requirements.missing);
+        let without = DeferredAa::requirements(adapter, &Descriptor { rays: None, ..*descriptor });
+        Err(if descriptor.rays.is_some() && without.missing.is_empty() {
+            GpuError::NoRays { adapter: name, missing }
+        } else {
+            GpuError::Missing { adapter: name, missing }
+        })
     }
 
     /// A device of wgpu's backend that draws nothing, on any machine, for nodes of this descriptor: it checks and

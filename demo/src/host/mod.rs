@@ -146,6 +146,9 @@ pub enum HostError {
         /// Width and height that the peers are for.
         size: (u32, u32),
     },
+    /// A peer does not stand beside the node here, and why.
+    #[error("{0}")]
+    NoPeer(String),
 }
 
 #[repr(C)]

@@ -18,6 +18,7 @@ use crate::host::gpu::Gpu;
 use crate::picture::Picture;
 use display::Display;
 use fxaa::Fxaa;
+use msaa::Samples;
 use output::Output;
 pub use pass::PeerShot;
 use pass::Timer;
@@ -54,7 +55,7 @@ pub enum AnyPeer {
     /// It looks at the frames before, too: [`taa::Taa`].
     Taa,
     /// It renders frames of its own: [`msaa::Msaa`].
-    Msaa,
+    Msaa(Samples),
 }
 
 impl AnyPeer {
@@ -63,7 +64,7 @@ impl AnyPeer {
         match self {
             Self::Image(peer) => peer.name(),
             Self::Taa => taa::NAME,
-            Self::Msaa => msaa::NAME,
+            Self::Msaa(samples) => samples.name(),
         }
     }
 }

@@ -1,10 +1,11 @@
-//! Hardware MSAA of forward shading: all meshes at four samples a pixel, lit in the fragment shader by the WGSL that
-//! lights deferred samples, once a triangle and pixel, then resolved by the hardware. It has no G-buffer, traces no rays
-//! and blends nothing, so it stands beside the techniques where the scene asks for neither.
+//! Hardware MSAA of forward shading: all meshes at two, four or eight samples a pixel, lit in the fragment shader by the
+//! WGSL that lights deferred samples, once a triangle and pixel, then resolved by the hardware. It has no G-buffer,
+//! traces no rays and blends nothing, so it stands beside the techniques where the scene asks for neither.
 
 use super::display::Display;
 use super::output::Output;
 use super::pass::{PeerShot, Timer};
+use crate::host::gpu::Gpu;
 use crate::host::raster::{self, SHADING_WGSL, VERTICES_WGSL, View};
 use crate::host::upload::Vertex;
 use crate::host::{Host, HostError, TARGET_FORMAT, blend, traces};
@@ -14,15 +15,78 @@ use deferred_aa::gbuffer::DEPTH_FORMAT;
 use deferred_aa::{CONTRACT_WGSL, Camera, DeferredAa, Settings, TextureTier};
 use glam::Mat4;
 
-/// Samples a pixel: what every adapter has for this format.
-pub const SAMPLES: u32 = 4;
+/// How many samples a pixel has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Samples {
+    /// Two, which an adapter may lack.
+    Two,
+    /// Four, which every adapter has.
+    Four,
+    /// Eight, which an adapter may lack.
+    Eight,
+}
 
-/// As on the command line.
-pub const NAME: &str = "msaa4x";
+impl Samples {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Two, Self::Four, Self::Eight];
+
+    /// The number.
+    pub fn count(self) -> u32 {
+        match self {
+            Self::Two => 2,
+            Self::Four => 4,
+            Self::Eight => 8,
+        }
+    }
+
+    /// As on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Two => "msaa2x",
+            Self::Four => "msaa4x",
+            Self::Eight => "msaa8x",
+        }
+    }
+
+    /// Whether the device renders so many to color and depth.
+    fn are_had_by(self, gpu: &Gpu) -> bool {
+        let device = gpu.device.features();
+        let own = device.contains(wgpu::Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES);
+        [TARGET_FORMAT, DEPTH_FORMAT].into_iter().all(|format| {
+            let features = if own {
+                gpu.adapter.get_texture_format_features(format)
+            } else {
+                format.guaranteed_format_features(device)
+            };
+            features.flags.sample_count_supported(self.count())
+        })
+    }
+}
+
+/// Why it does not stand beside the techniques.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, thiserror::Error)]
+pub enum Refusal {
+    /// The frames show what it does not.
+    #[error("forward shading traces no rays and blends nothing, and this scene wants it")]
+    Scene,
+    /// The device has other numbers of samples.
+    #[error("this adapter lacks that number of samples a pixel in {TARGET_FORMAT:?} or {DEPTH_FORMAT:?}")]
+    Samples,
+}
+
+/// Why it does not stand beside the techniques on this device, in frames of a scene with these settings.
+pub fn refusal(samples: Samples, gpu: &Gpu, scene: &Scene, settings: &Settings) -> Option<Refusal> {
+    if traces(scene, settings) || scene.instances.iter().any(|i| scene.is_blended(i)) {
+        return Some(Refusal::Scene);
+    }
+    (!samples.are_had_by(gpu)).then_some(Refusal::Samples)
+}
 
 /// The pipelines and targets for a host's scene and size.
 #[derive(Debug)]
 pub struct Msaa {
+    samples: Samples,
     /// By mask, double-sided, mirrored.
     pipelines: [wgpu::RenderPipeline; 8],
     sky: wgpu::RenderPipeline,
@@ -46,15 +110,13 @@ struct Draw {
     instance: u32,
 }
 
-/// Whether forward shading shows all that frames of a scene with these settings show.
-pub fn suits(scene: &Scene, settings: &Settings) -> bool {
-    !traces(scene, settings) && !scene.instances.iter().any(|i| scene.is_blended(i))
-}
-
 impl Msaa {
     /// For the host's scene at its size.
-    pub fn new(host: &Host) -> Result<Self, HostError> {
-        let device = &host.gpu.device;
+    pub fn new(host: &Host, samples: Samples) -> Result<Self, HostError> {
+        if !samples.are_had_by(&host.gpu) {
+            return Err(HostError::NoPeer(Refusal::Samples.to_string()));
+        }
+        let (device, name) = (&host.gpu.device, samples.name());
         let bound = |binding, ty| wgpu::BindGroupLayoutEntry {
             binding,
             visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
@@ -64,7 +126,7 @@ impl Msaa {
         let uniform = wgpu::BufferBindingType::Uniform;
         let storage = wgpu::BufferBindingType::Storage { read_only: true };
         let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some(NAME),
+            label: Some(name),
             entries: &[bound(0, uniform), bound(1, storage), bound(2, uniform)],
         });
         let buffer = |label, size: usize, usage| raster::buffer(device, label, size as u64, usage);
@@ -78,13 +140,14 @@ impl Msaa {
             .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
             .collect();
         let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some(NAME),
+            label: Some(name),
             layout: &layout,
             entries: &entries,
         });
-        let (pipelines, sky) = pipelines(host, &layout);
+        let (pipelines, sky) = pipelines(host, &layout, samples);
         let size = (host.options.width, host.options.height);
         let msaa = Self {
+            samples,
             pipelines,
             sky,
             bind_group,
@@ -92,8 +155,8 @@ impl Msaa {
             instances,
             relative_from_clip,
             draws: draws(&host.scene),
-            color: target(device, size, SAMPLES, TARGET_FORMAT),
-            depth: target(device, size, SAMPLES, DEPTH_FORMAT),
+            color: target(device, size, samples.count(), TARGET_FORMAT),
+            depth: target(device, size, samples.count(), DEPTH_FORMAT),
             resolved: target(device, size, 1, TARGET_FORMAT),
             display: Display::new(device),
             output: Output::new(device, size.0, size.1),
@@ -107,7 +170,7 @@ impl Msaa {
     pub fn bytes(&self) -> u64 {
         let (width, height) = self.output.size();
         // Color of 8 bytes and depth of 4 a sample, and the resolved color.
-        u64::from(width) * u64::from(height) * (u64::from(SAMPLES) * (8 + 4) + 8)
+        u64::from(width) * u64::from(height) * (u64::from(self.samples.count()) * (8 + 4) + 8)
     }
 
     /// Draws a frame of the host's scene, and waits. The result is in [`picture`](Self::picture).
@@ -122,7 +185,7 @@ impl Msaa {
         let mut encoder = device.create_command_encoder(&Default::default());
         let timer = self.timer.as_ref();
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some(NAME),
+            label: Some(self.samples.name()),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
                 view: &self.color,
                 depth_slice: None,
@@ -196,7 +259,7 @@ fn target(
 ) -> wgpu::TextureView {
     let read = if sample_count == 1 { wgpu::TextureUsages::TEXTURE_BINDING } else { wgpu::TextureUsages::empty() };
     let texture = device.create_texture(&wgpu::TextureDescriptor {
-        label: Some(NAME),
+        label: Some("msaa"),
         size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
         mip_level_count: 1,
         sample_count,
@@ -216,20 +279,24 @@ fn source(textures: TextureTier) -> String {
 }
 
 /// Those of meshes, by mask, double-sided, mirrored, and that of the sky.
-fn pipelines(host: &Host, layout: &wgpu::BindGroupLayout) -> ([wgpu::RenderPipeline; 8], wgpu::RenderPipeline) {
-    let device = &host.gpu.device;
+fn pipelines(
+    host: &Host,
+    layout: &wgpu::BindGroupLayout,
+    samples: Samples,
+) -> ([wgpu::RenderPipeline; 8], wgpu::RenderPipeline) {
+    let (device, name, count) = (&host.gpu.device, samples.name(), samples.count());
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some(NAME),
+        label: Some(name),
         source: wgpu::ShaderSource::Wgsl(source(host.options.textures).into()),
     });
     let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some(NAME),
+        label: Some(name),
         bind_group_layouts: &[Some(layout), host.aa.texture_layout(), Some(&crate::host::host_layout(device))],
         immediate_size: 0,
     });
     let pipeline = |[vertex, fragment]: [&str; 2], buffers: &[_], primitive, compare, write, covers| {
         device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some(NAME),
+            label: Some(name),
             layout: Some(&layout),
             vertex: wgpu::VertexState {
                 module: &module,
@@ -245,7 +312,7 @@ fn pipelines(host: &Host, layout: &wgpu::BindGroupLayout) -> ([wgpu::RenderPipel
                 stencil: Default::default(),
                 bias: Default::default(),
             }),
-            multisample: wgpu::MultisampleState { count: SAMPLES, mask: !0, alpha_to_coverage_enabled: covers },
+            multisample: wgpu::MultisampleState { count, mask: !0, alpha_to_coverage_enabled: covers },
             fragment: Some(wgpu::FragmentState {
                 module: &module,
                 entry_point: Some(fragment),

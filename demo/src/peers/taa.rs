@@ -10,11 +10,14 @@ use crate::host::gpu::Gpu;
 use crate::host::raster::crop;
 use crate::host::{HostError, TARGET_FORMAT};
 use crate::picture::Picture;
-use deferred_aa::Camera;
+use deferred_aa::{Camera, Settings, Technique};
 use glam::{Mat4, Vec2};
 
 /// Places of the sample in a pixel, one a frame.
 pub const PHASES: u32 = 16;
+
+/// Frames of a still camera until a history has settled: what is left of the first then is 3 %.
+pub const STILL_FRAMES: u32 = 2 * PHASES;
 
 /// As on the command line.
 pub const NAME: &str = "taa";
@@ -29,6 +32,9 @@ pub struct Taa {
     sampler: wgpu::Sampler,
     /// The last frame's, and the one before that, which the next frame replaces.
     history: [wgpu::TextureView; 2],
+    /// Samples along one side of a pixel in the depth, and the one of them that is shaded.
+    m: u32,
+    place: [u32; 2],
     /// Frames since the first one or a cut.
     frames: u32,
     /// The last frame's, without jitter.
@@ -42,14 +48,19 @@ pub struct Taa {
 struct Uniform {
     before_from_now: [[f32; 4]; 4],
     jitter: [f32; 2],
+    place: [u32; 2],
+    m: u32,
     has_history: u32,
-    padding: u32,
+    padding: [u32; 2],
 }
 
 impl Taa {
-    /// For images of `width` × `height` pixels, on the device that has them.
-    pub fn new(gpu: &Gpu, width: u32, height: u32) -> Result<Self, HostError> {
+    /// For images of `width` × `height` pixels, on the device that has them, with m × m samples of depth a pixel, of
+    /// which the image shows the one that the node shades first.
+    pub fn new(gpu: &Gpu, width: u32, height: u32, m: u32) -> Result<Self, HostError> {
         let device = &gpu.device;
+        let single = Settings { technique: Technique::Single, ..Settings::default() };
+        let place = deferred_aa::sample_order(&single, m).first().map_or([0; 2], |&(x, y)| [x.into(), y.into()]);
         let entry = |binding, ty| wgpu::BindGroupLayoutEntry {
             binding,
             visibility: wgpu::ShaderStages::FRAGMENT,
@@ -103,6 +114,8 @@ impl Taa {
                 ..Default::default()
             }),
             history: [history(), history()],
+            m,
+            place,
             frames: 0,
             before: None,
             output: Output::new(device, width, height),
@@ -116,7 +129,9 @@ impl Taa {
     pub fn jittered(&self, camera: Camera) -> Camera {
         let (width, height) = self.output.size();
         let full = Vec2::new(width as f32, height as f32);
-        crop(camera, full, jitter(self.frames % PHASES), full)
+        // The sample that is shaded may lie beside the pixel's centre.
+        let beside = self.place.map(|place| (place as f32 + 0.5) / self.m as f32 - 0.5);
+        crop(camera, full, jitter(self.frames % PHASES) - Vec2::from_array(beside), full)
     }
 
     /// Takes in a frame by the [`jittered`](Self::jittered) `camera`, linear HDR and its depth, and waits. The result is
@@ -128,16 +143,19 @@ impl Taa {
         camera: Camera,
     ) -> Result<PeerShot, HostError> {
         let size = self.output.size();
-        let found = [image, depth].map(|view| output::size(view.texture()));
-        if let Some(image) = found.into_iter().find(|&found| found != size) {
+        let found =
+            [(image, 1), (depth, self.m)].map(|(view, m)| (output::size(view.texture()), (size.0 * m, size.1 * m)));
+        if let Some((image, size)) = found.into_iter().find(|(found, wanted)| found != wanted) {
             return Err(HostError::PeerSize { peer: NAME, image, size });
         }
         let (device, queue) = (&self.gpu.device, &self.gpu.queue);
         let uniform = Uniform {
             before_from_now: before_from_now(&self.before.unwrap_or(camera), &camera).to_cols_array_2d(),
             jitter: (jitter(self.frames % PHASES) / Vec2::new(size.0 as f32, size.1 as f32)).to_array(),
+            place: self.place,
+            m: self.m,
             has_history: u32::from(self.before.is_some()),
-            padding: 0,
+            padding: [0; 2],
         };
         queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
         let [last, next] = &self.history;

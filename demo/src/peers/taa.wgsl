@@ -6,14 +6,17 @@ struct Frame {
     before_from_now: mat4x4f,
     /// From the centre of a pixel to the place of its sample, in uv.
     jitter: vec2f,
+    /// The sample of a pixel's m × m that the image shows.
+    place: vec2u,
+    m: u32,
     /// 0 on the first frame and after a cut.
     has_history: u32,
-    padding: u32,
+    padding: vec2u,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var image: texture_2d<f32>;
-/// Reversed: 0 is infinitely far.
+/// Of all samples. Reversed: 0 is infinitely far.
 @group(0) @binding(2) var depth: texture_depth_2d;
 @group(0) @binding(3) var history: texture_2d<f32>;
 @group(0) @binding(4) var linear: sampler;
@@ -62,6 +65,10 @@ fn sample(pixel: vec2i) -> vec3f {
     return weighted(clamp(select(c, vec3f(0.0), lost), vec3f(0.0), vec3f(MOST)));
 }
 
+fn depth_at(pixel: vec2i) -> f32 {
+    return textureLoad(depth, pixel * i32(frame.m) + vec2i(frame.place), 0);
+}
+
 /// Catmull-Rom over 4 × 4 pixels by 9 bilinear reads: the history is resampled in each frame, and blurs least so.
 fn history_at(uv: vec2f, size: vec2f) -> vec3f {
     let place = uv * size;
@@ -91,7 +98,7 @@ fn taa_fragment(@builtin(position) at: vec4f) -> @location(0) vec4f {
     var sum = vec3f(0.0);
     var squares = vec3f(0.0);
     // An edge moves with the surface in front, which is the nearest in the neighbourhood.
-    var nearest = textureLoad(depth, pixel, 0);
+    var nearest = depth_at(pixel);
     var nearest_at = pixel;
     for (var y = -1; y <= 1; y++) {
         for (var x = -1; x <= 1; x++) {
@@ -99,7 +106,7 @@ fn taa_fragment(@builtin(position) at: vec4f) -> @location(0) vec4f {
             let c = ycocg(sample(p));
             sum += c;
             squares += c * c;
-            let d = textureLoad(depth, p, 0);
+            let d = depth_at(p);
             if d > nearest {
                 nearest = d;
                 nearest_at = p;

@@ -1,6 +1,7 @@
 //! Which entries a report has, known before any work is done.
 
 use super::schema::Role;
+use crate::peers::msaa::Samples;
 use crate::peers::{AnyPeer, Peer};
 use deferred_aa::{MultiResolution, Preset, Reconstructed, Selective, Settings, Surfaces, Technique, Windowed};
 
@@ -28,11 +29,13 @@ pub const TECHNIQUES: [&str; 7] =
     ["full", "single", "windowed", "reconstructed", "selective", "multiresolution", "surfaces"];
 
 /// Peers, of which `--techniques` takes the names too, and how people call them.
-pub const PEERS: [(AnyPeer, &str); 4] = [
+pub const PEERS: [(AnyPeer, &str); 6] = [
     (AnyPeer::Image(Peer::Fxaa), "FXAA"),
     (AnyPeer::Image(Peer::Smaa), "SMAA 1x"),
     (AnyPeer::Taa, "TAA"),
-    (AnyPeer::Msaa, "Forward MSAA 4x"),
+    (AnyPeer::Msaa(Samples::Two), "Forward MSAA 2x"),
+    (AnyPeer::Msaa(Samples::Four), "Forward MSAA 4x"),
+    (AnyPeer::Msaa(Samples::Eight), "Forward MSAA 8x"),
 ];
 
 /// Settings of Windowed that have a name, and how people call them.
@@ -280,6 +283,7 @@ mod tests {
         assert_eq!(ids(&[2], &["full"], true), ["full-m2"]);
         assert_eq!(ids(&[2, 1], &["single"], true), ["single-m2", "single-m1"]);
         assert_eq!(ids(&[2], &["smaa", "taa"], true), ["smaa-m1", "taa-m1"]);
+        assert_eq!(ids(&[2], &["msaa8x", "msaa2x"], true), ["msaa2x-m1", "msaa8x-m1"]);
     }
 
     #[test]

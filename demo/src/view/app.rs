@@ -3,7 +3,7 @@
 use super::controls;
 use super::input::dialog::Dialog;
 use super::judge::{Case, Verdict};
-use super::renderer::{Event, Lights, Opened, Source, Wanted};
+use super::renderer::{Event, Lights, Opened, Rendered, Source, Wanted};
 use super::report_process::Report;
 use super::state::{Comparison, Kept, Look, Side, Status};
 use super::threads::Threads;
@@ -55,6 +55,8 @@ pub struct App {
     pub opened: Option<Opened>,
     /// The camera that the scene is seen from.
     pub camera: Option<Camera>,
+    /// How often it went elsewhere at once.
+    pub cuts: u64,
     /// The options as wanted; the renderer may have others until it is done, or for good.
     pub options: Options,
     /// Screen pixels along a side of a picture's pixel, where the picture matches the window's size.
@@ -89,6 +91,7 @@ impl App {
         let wanted = Wanted {
             scene: (source.clone(), 1),
             view: None,
+            cuts: 0,
             sides: [None, None],
             frames: FRAMES,
             reference: kept.reference,
@@ -114,6 +117,7 @@ impl App {
             start_camera: camera,
             opened: None,
             camera: None,
+            cuts: 0,
             options,
             fill,
             usual_fill,
@@ -175,11 +179,8 @@ impl App {
                 self.dialog = Some(Dialog::Trouble("The scene could not be opened".to_owned(), why));
             }
             Event::Picture(side, rendered) => {
-                let recipe = rendered.recipe;
                 self.sides[side].show(ctx, ["left", "right"][side], self.look.tone, rendered);
-                if recipe.is_image() {
-                    self.hold_against(side);
-                }
+                self.hold_against(side);
             }
             Event::Measured(side, view, recipe, shot) => {
                 self.sides[side].measured(&view, &recipe, shot);
@@ -189,7 +190,11 @@ impl App {
             Event::Full(view, shot) => self.comparison.measured_full(&view, shot),
             Event::Refused(side, recipe, why) => {
                 if self.sides[side].recipe == recipe {
-                    self.sides[side].refused = Some(why.clone());
+                    let known = self.sides[side].refused.replace(why.clone());
+                    if known.as_ref() == Some(&why) {
+                        // So it was before the camera moved.
+                        return;
+                    }
                 }
                 self.say(format!("{}: {why}", ["left", "right"][side]));
             }
@@ -214,9 +219,10 @@ impl App {
         }
     }
 
-    /// Sends a side's picture to the judge, if the reference is of the same view.
+    /// Sends a side's picture to the judge, if it is what it stays and the reference is of the same view.
     fn hold_against(&mut self, side: usize) {
-        let Some(rendered) = self.sides[side].rendered.as_deref().filter(|r| r.recipe.is_image()) else { return };
+        let judged = |r: &&Rendered| r.recipe.is_image() && r.unsettled == 0;
+        let Some(rendered) = self.sides[side].rendered.as_deref().filter(judged) else { return };
         if let Some(reference) = self.comparison.reference_of(&rendered.view) {
             self.threads.judge.measure(Case { side, picture: rendered.picture.clone(), reference });
         }
@@ -247,6 +253,14 @@ impl App {
     /// Whether a side is to be seen.
     pub fn shows(&self, side: usize) -> bool {
         self.look.alone.map_or(self.kept.split || side == self.edited, |alone| alone == side)
+    }
+
+    /// Looks at the scene from elsewhere at once.
+    pub fn cut_to(&mut self, camera: Camera) {
+        if self.camera != Some(camera) {
+            self.camera = Some(camera);
+            self.cuts += 1;
+        }
     }
 
     /// Opens a scene in place of the present one, which stays if that fails.

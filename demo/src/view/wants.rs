@@ -46,6 +46,7 @@ impl App {
         let next = Wanted {
             scene: self.source.clone(),
             view,
+            cuts: self.cuts,
             sides: [wanted(0), wanted(1)],
             frames: FRAMES,
             reference: self.kept.reference,

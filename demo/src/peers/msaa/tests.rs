@@ -32,7 +32,7 @@ fn pictures(scene: &str) -> [Picture; 3] {
         frames.add(&many.picture());
     }
     let mut one = host(scene, 1);
-    let mut msaa = Msaa::new(&one).unwrap();
+    let mut msaa = Msaa::new(&one, Samples::Four).unwrap();
     // Nothing of the node's is needed for it.
     let shot = msaa.run(&mut one, camera).unwrap();
     assert!(shot.milliseconds.is_none_or(|ms| ms > 0.0), "{shot:?}");
@@ -61,10 +61,48 @@ fn forward_shading_shows_the_same_scene_with_better_edges() {
 #[test]
 fn it_stands_where_no_ray_and_no_blending_is_asked_for() {
     let settings = Settings::default();
-    let suits = |name: &str, settings: &Settings| suits(&builtin(name).unwrap(), settings);
-    assert!(suits("fence", &settings) && !suits("atrium", &settings) && !suits("mirrors", &settings));
-    assert!(suits("atrium", &plain()));
+    let gpu = host("empty", 1).gpu;
+    let of = |name: &str, settings: &Settings| refusal(Samples::Four, &gpu, &builtin(name).unwrap(), settings);
+    assert_eq!(of("fence", &settings), None);
+    assert_eq!([of("atrium", &settings), of("mirrors", &settings)], [Some(Refusal::Scene); 2]);
+    assert_eq!(of("atrium", &plain()), None);
     let mut scene = builtin("fence").unwrap();
     scene.materials.iter_mut().for_each(|m| m.blended = true);
-    assert!(!super::suits(&scene, &settings));
+    assert_eq!(refusal(Samples::Four, &gpu, &scene, &settings), Some(Refusal::Scene));
+}
+
+/// Every number of samples draws frames of its own, or is refused where the device lacks it.
+#[test]
+fn numbers_of_samples_are_had_or_refused() {
+    let options = Options::new(SIZE.0, SIZE.1, 1);
+    let gpu = Gpu::for_peers(gpu::choose(None).unwrap(), &options.descriptor()).unwrap();
+    let mut host = Host::new(gpu, builtin("fence").unwrap(), options).unwrap();
+    let camera = node_camera(&host.scene.default_camera(), SIZE.0, SIZE.1);
+    let mut shown = Vec::new();
+    for samples in Samples::ALL {
+        let refused = refusal(samples, &host.gpu, &host.scene, &plain());
+        let made = Msaa::new(&host, samples);
+        match (refused, made) {
+            (None, Ok(mut msaa)) => {
+                msaa.run(&mut host, camera).unwrap();
+                let bytes = u64::from(SIZE.0 * SIZE.1) * u64::from(samples.count() * 12 + 8);
+                assert_eq!(msaa.bytes(), bytes);
+                shown.push((samples, msaa.picture(&host).to_srgb8()));
+            }
+            (Some(Refusal::Samples), Err(e)) => {
+                assert_eq!(e.to_string(), Refusal::Samples.to_string());
+                // wgpu has the same against it.
+                target(&host.gpu.device, SIZE, samples.count(), TARGET_FORMAT);
+                target(&host.gpu.device, SIZE, samples.count(), DEPTH_FORMAT);
+                let complaint = host.gpu.complaint().unwrap();
+                assert!(complaint.contains("sample"), "{complaint}");
+            }
+            (refused, made) => panic!("{samples:?}: {refused:?}, {made:?}"),
+        }
+    }
+    assert!(shown.iter().any(|(samples, _)| *samples == Samples::Four));
+    assert!(shown.windows(2).all(|pair| pair[0].1 != pair[1].1), "as many samples as before");
+    // Without the adapter's own numbers there are those that every adapter has.
+    let plain = Gpu::new(host.gpu.adapter.clone(), &options.descriptor()).unwrap();
+    assert_eq!(Samples::ALL.map(|samples| samples.are_had_by(&plain)), [false, true, false]);
 }

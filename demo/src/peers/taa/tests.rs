@@ -19,10 +19,14 @@ struct Run {
 
 impl Run {
     fn new(scene: &str) -> Self {
-        let options = Options::new(SIZE.0, SIZE.1, 1);
+        Self::at(scene, 1)
+    }
+
+    fn at(scene: &str, m: u32) -> Self {
+        let options = Options::new(SIZE.0, SIZE.1, m);
         let gpu = Gpu::new(crate::host::gpu::choose(None).unwrap(), &options.descriptor()).unwrap();
         let host = Host::new(gpu, builtin(scene).unwrap(), options).unwrap();
-        let taa = Taa::new(&host.gpu, SIZE.0, SIZE.1).unwrap();
+        let taa = Taa::new(&host.gpu, SIZE.0, SIZE.1, m).unwrap();
         Self { host, taa }
     }
 
@@ -86,6 +90,21 @@ fn a_still_camera_comes_near_to_the_mean_of_its_frames() {
     let [before, after] = [first, last].map(|picture| quality::psnr(&picture, &mean).unwrap());
     println!("{before:.2} dB after one frame, {after:.2} dB after 32");
     assert!(after > 30.0 && after > before + 6.0, "{before} dB, then {after} dB");
+}
+
+/// A finer G-buffer, of which one sample a pixel is shaded, gives the frames that one of a sample a pixel gives.
+#[test]
+fn a_finer_gbuffer_changes_nothing() {
+    let shown = [1, 2, 4].map(|m| {
+        let mut run = Run::at("fence", m);
+        (0..8).for_each(|frame| drop(run.frame(run.turned(16 * frame))));
+        run.frame(run.turned(16 * 8))
+    });
+    for (m, fine) in [(2, &shown[1]), (4, &shown[2])] {
+        let db = quality::psnr(fine, &shown[0]).unwrap();
+        println!("m = {m}: {db:.2} dB");
+        assert!(db > 45.0, "m = {m}: {db} dB");
+    }
 }
 
 #[test]
@@ -182,7 +201,7 @@ const MADE: (u32, u32) = (16, 9);
 fn made_frames() -> impl FnMut(&dyn Fn(u32, u32) -> [f32; 3]) -> Vec<[u8; 3]> {
     let gpu = gpu();
     let (width, height) = MADE;
-    let mut taa = Taa::new(&gpu, width, height).unwrap();
+    let mut taa = Taa::new(&gpu, width, height, 1).unwrap();
     let depth = depth(&gpu, width, height);
     move |picture| {
         taa.run(&texture(&gpu, width, height, picture), &depth, camera()).unwrap();
@@ -224,7 +243,7 @@ fn what_is_not_finite_does_not_stay() {
 #[test]
 fn an_image_of_another_size_is_refused() {
     let gpu = gpu();
-    let mut taa = Taa::new(&gpu, 16, 9).unwrap();
+    let mut taa = Taa::new(&gpu, 16, 9, 1).unwrap();
     let (image, small) = (texture(&gpu, 16, 9, |_, _| grey(9)), depth(&gpu, 9, 16));
     let refused = taa.run(&image, &small, camera()).unwrap_err().to_string();
     assert!(refused.contains("taa") && refused.contains("9x16") && refused.contains("16x9"), "{refused}");

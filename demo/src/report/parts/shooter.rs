@@ -2,16 +2,14 @@
 
 use crate::host::{Host, Shot};
 use crate::measure::stats::Stats;
-use crate::peers::msaa::{Msaa, NAME};
-use crate::peers::taa::{self, PHASES, Taa};
+use crate::peers::msaa::{Msaa, Samples};
+use crate::peers::taa::{self, STILL_FRAMES, Taa};
 use crate::peers::{AnyPeer, Peers};
 use crate::picture::Picture;
 use crate::report::ReportError;
 use crate::report::plan::Planned;
 use deferred_aa::Camera;
-
-/// Frames of a still camera until a history has settled: what is left of the first then is 3 %.
-const STILL_FRAMES: u32 = 2 * PHASES;
+use std::collections::BTreeMap;
 
 /// A host, and the peers if entries have them.
 #[derive(Debug)]
@@ -20,7 +18,7 @@ pub struct Shooter {
     pub host: Host,
     peers: Option<Peers>,
     taa: Option<Taa>,
-    msaa: Option<Msaa>,
+    msaa: BTreeMap<Samples, Msaa>,
 }
 
 impl Shooter {
@@ -29,9 +27,14 @@ impl Shooter {
         let (width, height) = (host.options.width, host.options.height);
         let images = entries.iter().any(|e| matches!(e.peer, Some(AnyPeer::Image(_))));
         let peers = images.then(|| Peers::new(&host.gpu, width, height)).transpose()?;
-        let taa = entries.iter().any(has_history).then(|| Taa::new(&host.gpu, width, height)).transpose()?;
-        let forward = entries.iter().any(|e| e.peer == Some(AnyPeer::Msaa));
-        let msaa = forward.then(|| Msaa::new(&host)).transpose()?;
+        let taa =
+            entries.iter().any(has_history).then(|| Taa::new(&host.gpu, width, height, host.options.m)).transpose()?;
+        let mut msaa = BTreeMap::new();
+        for entry in entries {
+            if let Some(AnyPeer::Msaa(samples)) = entry.peer {
+                msaa.insert(samples, Msaa::new(&host, samples)?);
+            }
+        }
         Ok(Self { host, peers, taa, msaa })
     }
 
@@ -43,8 +46,10 @@ impl Shooter {
             _ => camera,
         };
         let mut shot = self.host.frame_with(rendered, planned.settings)?;
-        if let (Some(AnyPeer::Msaa), Some(msaa)) = (planned.peer, &mut self.msaa) {
-            shot.statistics.passes = vec![msaa.run(&mut self.host, camera)?.pass(NAME)];
+        if let Some(AnyPeer::Msaa(samples)) = planned.peer
+            && let Some(msaa) = self.msaa.get_mut(&samples)
+        {
+            shot.statistics.passes = vec![msaa.run(&mut self.host, camera)?.pass(samples.name())];
             return Ok(Shot { gbuffer_ms: Some(0.0), ..shot });
         }
         let peer = match (planned.peer, &mut self.peers, &mut self.taa, self.host.aa.gbuffer()) {
@@ -82,16 +87,22 @@ impl Shooter {
 
     /// An entry's statistics with what the node does not know of.
     pub fn complete(&self, planned: &Planned, stats: Stats) -> Stats {
-        match (planned.peer, &self.msaa) {
-            (Some(AnyPeer::Msaa), Some(msaa)) => stats.of_peer(NAME).holding(msaa.bytes()),
-            (Some(peer), _) => stats.of_peer(peer.name()),
-            (None, _) => stats,
+        let Some(peer) = planned.peer else { return stats };
+        let stats = stats.of_peer(peer.name());
+        match self.msaa_of(planned) {
+            Some(msaa) => stats.holding(msaa.bytes()),
+            None => stats,
         }
+    }
+
+    fn msaa_of(&self, planned: &Planned) -> Option<&Msaa> {
+        let Some(AnyPeer::Msaa(samples)) = planned.peer else { return None };
+        self.msaa.get(&samples)
     }
 
     /// The picture of the last frame, which was of this entry. Waits for the GPU.
     pub fn picture(&self, planned: &Planned) -> Picture {
-        if let (Some(AnyPeer::Msaa), Some(msaa)) = (planned.peer, &self.msaa) {
+        if let Some(msaa) = self.msaa_of(planned) {
             return msaa.picture(&self.host);
         }
         match (planned.peer, &self.peers, &self.taa) {

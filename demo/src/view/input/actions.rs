@@ -32,7 +32,7 @@ impl App {
         let place = at.filter(|at| rect.contains(*at)).map(|at| (at - rect.center()) / rect.size() * 2.0);
         let object = place.and_then(|p| fly::picked(&camera, &opened.objects, Vec2::new(p.x, -p.y), aspect));
         if let Some(bounds) = object.or(opened.bounds.as_ref()) {
-            self.camera = Some(fly::framed(camera, bounds, aspect));
+            self.cut_to(fly::framed(camera, bounds, aspect));
         }
     }
 

@@ -84,8 +84,9 @@ impl App {
         if pressed(Modifiers::NONE, Key::F) {
             self.frame_object(ctx.pointer_hover_pos());
         }
-        if pressed(Modifiers::NONE, Key::Home) {
-            self.camera = self.opened.as_ref().and_then(|opened| opened.cameras.first().copied());
+        let home = self.opened.as_ref().and_then(|opened| opened.cameras.first().copied());
+        if let Some(home) = home.filter(|_| pressed(Modifiers::NONE, Key::Home)) {
+            self.cut_to(home);
         }
         self.fly(ctx);
     }

@@ -1,6 +1,7 @@
 //! Colours that always stand for the same thing, whatever else is shown.
 
 use super::super::renderer::{Maker, Recipe};
+use crate::peers::msaa::Samples;
 use deferred_aa::{PassKind, Technique};
 use egui::Color32;
 
@@ -16,6 +17,10 @@ pub fn recipe_color(recipe: &Recipe) -> Color32 {
         (Maker::Node, Technique::Surfaces) => [208, 172, 30],
         (Maker::Fxaa, _) => [60, 180, 180],
         (Maker::Smaa, _) => [240, 130, 170],
+        (Maker::Taa, _) => [110, 110, 230],
+        (Maker::Msaa(Samples::Two), _) => [150, 150, 90],
+        (Maker::Msaa(Samples::Four), _) => [130, 110, 60],
+        (Maker::Msaa(Samples::Eight), _) => [100, 80, 40],
         (Maker::Reference, _) => [140, 140, 140],
     };
     Color32::from_rgb(r, g, b)

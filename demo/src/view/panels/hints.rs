@@ -28,7 +28,7 @@ pub fn pass(kind: Option<PassKind>) -> &'static str {
         PassKind::View => "Writes a debug view in place of the image.",
         PassKind::Depth => "Writes depth at the image's size.",
         PassKind::Audit => "Shades all samples of some tiles, to measure the error that a goal holds.",
-        PassKind::Host => "Anti-aliases the finished image.",
+        PassKind::Host => "Anti-aliases the finished image; MSAA's draws and lights the scene, too.",
         _ => "A pass of the node.",
     }
 }

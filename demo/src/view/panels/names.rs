@@ -10,6 +10,14 @@ pub fn about(recipe: &Recipe) -> &'static str {
         Maker::Node => technique(recipe.settings.technique),
         Maker::Fxaa => "FXAA 3.11: blurs the edges that it finds in the finished picture of one sample a pixel",
         Maker::Smaa => "SMAA 1x: finds the shapes of edges in the finished picture of one sample a pixel",
+        Maker::Taa => {
+            "TAA: one sample a pixel at places that change from frame to frame, mixed with the frames before, which a \
+             cut of the camera forgets"
+        }
+        Maker::Msaa(_) => {
+            "MSAA by the hardware: draws the scene forward, lit once a triangle and pixel; for scenes without rays \
+             and blending"
+        }
         Maker::Reference => "what errors are measured against: see Accuracy",
     }
 }

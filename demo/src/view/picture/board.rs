@@ -4,7 +4,7 @@ use super::super::renderer::{Maker, Rendered, casts};
 use super::super::state::Side;
 use crate::host::Sent;
 use deferred_aa::{PlanWord, Settings, Technique};
-use egui::{Color32, FontId, Painter, Pos2, Rect, Stroke, pos2, vec2};
+use egui::{Color32, FontId, Painter, Pos2, Rect, Stroke, Vec2, pos2, vec2};
 
 /// Which samples of a window were shaded.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,10 +33,13 @@ fn rays(rendered: &Rendered, own: Option<&[Sent]>) -> Option<String> {
         return None;
     }
     let Some(own) = own else {
-        let moves = rendered.recipe.recorded().goal.is_some();
-        let why =
-            if moves { "rays: not known, as the goal moves them from frame to frame" } else { "rays: being counted" };
-        return Some(why.to_owned());
+        let moves = |what: &str| format!("rays: not known, as the {what} moves them from frame to frame");
+        let why = match rendered.recipe {
+            recipe if recipe.has_history() => moves("jitter"),
+            recipe if recipe.recorded().goal.is_some() => moves("goal"),
+            _ => "rays: being counted".to_owned(),
+        };
+        return Some(why);
     };
     let sum = |of: fn(&Sent) -> u8| own.iter().map(|s| u32::from(of(s))).sum::<u32>();
     let kinds = [(sum(|s| s.shadow), "shadow"), (sum(|s| s.mirrored), "mirrored"), (sum(|s| s.refracted), "refracted")];
@@ -48,9 +51,18 @@ fn rays(rendered: &Rendered, own: Option<&[Sent]>) -> Option<String> {
 pub fn samples(painter: &Painter, clip: Rect, side: &Side, rendered: &Rendered, pixel: [u32; 2], pointer: Pos2) {
     let m = rendered.view.options.m;
     let at = (pixel[1] * rendered.picture.width + pixel[0]) as usize;
+    let [r, g, b, _] = rendered.picture.rgba.get(at).copied().unwrap_or_default();
+    let text = |lines: &[String]| painter.layout_no_wrap(lines.join("\n"), FontId::proportional(12.0), Color32::WHITE);
+    if rendered.recipe.is_forward() {
+        // No samples of a G-buffer are shaded.
+        let galley =
+            text(&[format!("{}, {}   lit once a triangle", pixel[0], pixel[1]), format!("{r:.3} {g:.3} {b:.3}")]);
+        let rect = ground(painter, clip, pointer, galley.size() + vec2(12.0, 12.0));
+        painter.galley(rect.min + vec2(6.0, 6.0), galley, Color32::WHITE);
+        return;
+    }
     let word = rendered.plan.get(at).copied().unwrap_or(PlanWord(1));
     let shaded = shaded(&rendered.recipe.recorded(), m, word);
-    let [r, g, b, _] = rendered.picture.rgba.get(at).copied().unwrap_or_default();
     let n = (m * m) as usize;
     let sent = side.sent.as_ref().and_then(|all| all.get(at * n..(at + 1) * n));
     let count = match &shaded {
@@ -70,14 +82,11 @@ pub fn samples(painter: &Painter, clip: Rect, side: &Side, rendered: &Rendered, 
     if matches!(shaded, Shaded::Count(_)) && !lit {
         lines.push("the others are reconstructed".to_owned());
     }
-    let galley = painter.layout_no_wrap(lines.join("\n"), FontId::proportional(12.0), Color32::WHITE);
+    let galley = text(&lines);
     let cell = (72.0 / m as f32).floor().max(6.0);
     let board = cell * m as f32;
     let full = vec2(board + galley.size().x + 18.0, board.max(galley.size().y) + 12.0);
-    let beside = pointer + vec2(24.0, 24.0);
-    let min = pos2(beside.x.min(clip.right() - full.x), beside.y.min(clip.bottom() - full.y));
-    let rect = Rect::from_min_size(min, full);
-    painter.rect_filled(rect, 4.0, Color32::from_black_alpha(210));
+    let rect = ground(painter, clip, pointer, full);
     let corner = rect.min + vec2(6.0, 6.0);
     for i in 0..m * m {
         let min = corner + vec2((i % m) as f32, (i / m) as f32) * cell;
@@ -100,6 +109,15 @@ pub fn samples(painter: &Painter, clip: Rect, side: &Side, rendered: &Rendered, 
         );
     }
     painter.galley(corner + vec2(board + 6.0, 0.0), galley, Color32::WHITE);
+}
+
+/// A dark ground of this size beside the pointer, and its place.
+fn ground(painter: &Painter, clip: Rect, pointer: Pos2, size: Vec2) -> Rect {
+    let beside = pointer + vec2(24.0, 24.0);
+    let min = pos2(beside.x.min(clip.right() - size.x), beside.y.min(clip.bottom() - size.y));
+    let rect = Rect::from_min_size(min, size);
+    painter.rect_filled(rect, 4.0, Color32::from_black_alpha(210));
+    rect
 }
 
 #[cfg(test)]

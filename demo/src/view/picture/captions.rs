@@ -20,7 +20,11 @@ impl App {
                 (Some(_), 1) => (seen.right_top(), Align2::RIGHT_TOP),
                 _ => (seen.left_top(), Align2::LEFT_TOP),
             };
-            let ink = if self.is_stale(side) { Color32::from_gray(150) } else { Color32::WHITE };
+            let ink = if self.is_stale(side) && self.sides[side].refused.is_none() {
+                Color32::from_gray(150)
+            } else {
+                Color32::WHITE
+            };
             let galley = painter.layout(self.caption(side), FontId::proportional(13.0), ink, width);
             let mut own = align.anchor_size(at, galley.size() + vec2(6.0, 6.0));
             // Where both have no room beside each other, the second is below.
@@ -48,13 +52,19 @@ impl App {
         Legend::of_view(&rendered.recipe.recorded(), rendered.view.options.m)
     }
 
-    /// Technique, samples, time and quality.
-    fn caption(&self, side: usize) -> String {
+    /// Technique, samples, time and quality, or why there is no such picture.
+    pub(super) fn caption(&self, side: usize) -> String {
         let s = &self.sides[side];
+        if let Some(why) = &s.refused {
+            return format!("{}: {why}", s.recipe.name());
+        }
         let Some(rendered) = &s.rendered else { return String::new() };
         let mut parts = vec![rendered.recipe.name()];
         if rendered.recipe.maker == Maker::Reference {
             parts.push(self.kept.reference.name().to_owned());
+        } else if rendered.recipe.is_forward() {
+            parts.extend(s.node_ms().map(|ms| format!("frame {ms:.1} ms")));
+            parts.extend(s.quality.and_then(|q| q.psnr_db).map(decibels));
         } else {
             parts.push(format!("k {:.2}", rendered.shot.statistics.mean_k));
             if let Some(ms) = s.node_ms() {
@@ -62,6 +72,9 @@ impl App {
                 parts.push(format!("node {ms:.1} ms{against}"));
             }
             parts.extend(s.quality.and_then(|q| q.psnr_db).map(decibels));
+        }
+        if rendered.unsettled > 0 {
+            parts.push("settling".to_owned());
         }
         if self.look.show_error {
             parts.push("error".to_owned());

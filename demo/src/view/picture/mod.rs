@@ -30,9 +30,14 @@ impl App {
         let painter = ui.painter_at(area);
         let bottom = self.toolbar(ui, area);
         let Some(size) = self.size() else {
-            let text = if self.status.failed.is_none() && self.status.busy.is_empty() { "no picture" } else { "" };
-            let font = FontId::proportional(18.0);
-            painter.text(area.center(), Align2::CENTER_CENTER, text, font, ui.visuals().text_color());
+            let refused = (0..2).filter(|&side| self.shows(side) && self.sides[side].refused.is_some());
+            let mut lines: Vec<_> = refused.map(|side| self.caption(side)).collect();
+            if lines.is_empty() && self.status.failed.is_none() && self.status.busy.is_empty() {
+                lines.push("no picture".to_owned());
+            }
+            let (font, ink) = (FontId::proportional(18.0), ui.visuals().text_color());
+            let galley = painter.layout(lines.join("\n"), font, ink, (area.width() - 24.0).max(60.0));
+            painter.galley(Align2::CENTER_CENTER.anchor_size(area.center(), galley.size()).min, galley, ink);
             self.news(&painter, area, bottom);
             return;
         };
@@ -94,7 +99,9 @@ impl App {
                 (Some(x), _) => rect.with_min_x(x),
                 (None, _) => rect,
             };
-            painter.with_clip_rect(clip.intersect(painter.clip_rect())).image(texture, rect, all, Color32::WHITE);
+            // A picture of something else than what is wanted is dark.
+            let tint = if self.sides[side].refused.is_some() { Color32::from_gray(80) } else { Color32::WHITE };
+            painter.with_clip_rect(clip.intersect(painter.clip_rect())).image(texture, rect, all, tint);
         }
         if let Some(x) = divider {
             painter.vline(x, rect.y_range(), Stroke::new(3.0, Color32::BLACK));

@@ -18,6 +18,8 @@ pub struct Rendered {
     pub recipe: Recipe,
     /// The picture in the target.
     pub picture: Arc<Picture>,
+    /// Frames of a still camera until a picture with a history is what it stays; 0 for all others.
+    pub unsettled: u32,
     /// What is compared: the picture, or where a debug view is shown, the picture that it is of.
     pub shot: Shot,
     /// The plan's words, row by row; empty where the technique has none.

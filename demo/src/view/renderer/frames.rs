@@ -7,7 +7,8 @@ use super::thread::{Renderer, Side, lost_or};
 use super::wanted::View;
 use crate::host::{HostError, Shot};
 use crate::measure::stats::Stats;
-use crate::peers::Peers;
+use crate::peers::AnyPeer;
+use crate::peers::taa::STILL_FRAMES;
 use deferred_aa::{DebugView, PlanWord, Settings, Technique};
 use std::sync::Arc;
 
@@ -15,17 +16,32 @@ use std::sync::Arc;
 const FULLS: u32 = 3;
 
 impl Renderer {
-    /// A frame, and the peer's pass on it. With its G-buffer, or on the one that is there.
-    fn shoot(&mut self, view: &View, recipe: Recipe, with_gbuffer: bool) -> Result<Option<Shot>, HostError> {
+    /// A frame of a side, and the peer's pass on it. With its G-buffer, or on the one that is there.
+    fn shoot(
+        &mut self,
+        side: usize,
+        view: &View,
+        recipe: Recipe,
+        with_gbuffer: bool,
+    ) -> Result<Option<Shot>, HostError> {
         let Some(host) = &mut self.stage.host else { return Ok(None) };
         let (camera, settings) = (&view.camera, recipe.recorded());
+        if recipe.has_history() {
+            self.filled = None;
+            return self.peers.frame_in_history(host, side, camera, recipe, self.cuts).map(Some);
+        }
+        let forward = match recipe.peer() {
+            Some(AnyPeer::Msaa(samples)) => Some(self.peers.forward(host, samples, camera, &recipe)?),
+            _ => None,
+        };
         let mut shot = if with_gbuffer { host.frame(camera, settings)? } else { host.shade_again(camera, settings)? };
-        if let Some(peer) = recipe.peer() {
-            let peers = match &mut self.peers {
-                Some(peers) => peers,
-                none => none.insert(Peers::new(&host.gpu, host.options.width, host.options.height)?),
-            };
-            shot.statistics.passes.push(peers.run(peer, host.target())?.pass(peer.name()));
+        if let Some(pass) = forward {
+            // The node's frame gives the statistics alone.
+            shot.statistics.passes = vec![pass];
+            shot.gbuffer_ms = Some(0.0);
+        }
+        if let Some(AnyPeer::Image(peer)) = recipe.peer() {
+            shot.statistics.passes.push(self.peers.finish(host, peer)?);
         }
         Ok(Some(shot))
     }
@@ -35,8 +51,11 @@ impl Renderer {
         let ready = self.stage.host.as_ref().is_some_and(|host| host.is_ready(settings));
         self.busy(if ready { "rendering" } else { "compiling" });
         let fresh = self.filled.as_ref().is_none_or(|filled| *filled != view);
-        let shot = self.shoot(&view, recipe, fresh);
-        self.sides[side] = Some(Side { view: view.clone(), recipe, which: None, measured: 0, owes_rays: false });
+        if !recipe.has_history() {
+            self.peers.end_history(side);
+        }
+        let shot = self.shoot(side, &view, recipe, fresh);
+        self.sides[side] = Some(Side::new(&view, recipe));
         let shot = match shot.map_err(lost_or) {
             Ok(Some(shot)) => shot,
             Ok(None) => return Ok(()),
@@ -45,43 +64,71 @@ impl Renderer {
                 return Ok(());
             }
         };
-        self.filled = Some(view.clone());
         self.recoveries = 0;
-        if let Some(own) = &mut self.sides[side] {
-            own.owes_rays = settings.goal.is_none() && casts(&shot) != [false; 2];
+        let has_history = recipe.has_history();
+        if !has_history {
+            self.filled = Some(view.clone());
         }
-        let Some(host) = &self.stage.host else { return Ok(()) };
+        let unsettled = if has_history { STILL_FRAMES - 1 } else { 0 };
+        if let Some(own) = &mut self.sides[side] {
+            own.unsettled = unsettled;
+            own.owes_rays = settings.goal.is_none() && !has_history && casts(&shot) != [false; 2];
+        }
+        self.show(side, view, recipe, shot, unsettled);
+        Ok(())
+    }
+
+    /// Renders one more frame of a history whose camera stands still, and shows it.
+    pub(super) fn settle(&mut self, side: usize) -> Result<(), String> {
+        let Some(own) = &mut self.sides[side] else { return Ok(()) };
+        own.unsettled -= 1;
+        let (view, recipe, unsettled) = (own.view.clone(), own.recipe, own.unsettled);
+        match self.shoot(side, &view, recipe, true) {
+            Ok(Some(shot)) => self.show(side, view, recipe, shot, unsettled),
+            Ok(None) => {}
+            Err(e) => drop(lost_or(e)?),
+        }
+        Ok(())
+    }
+
+    /// Sends the picture of the last frame, which was of this side.
+    fn show(&self, side: usize, view: Arc<View>, recipe: Recipe, shot: Shot, unsettled: u32) {
+        let Some(host) = &self.stage.host else { return };
+        let settings = recipe.recorded();
         let stats = Stats::new(host, settings, std::slice::from_ref(&shot), None);
         let rendered = Rendered {
-            picture: Arc::new(match &self.peers {
-                Some(peers) if recipe.peer().is_some() => peers.picture(),
-                _ => host.picture(),
-            }),
+            picture: Arc::new(self.peers.picture(host, side, &recipe)),
+            unsettled,
             plan: Arc::new(match settings.technique {
                 Technique::Full | Technique::Single => Vec::new(),
                 // Its plan is of rays alone.
                 Technique::Surfaces => host.counts(settings.technique).into_iter().map(PlanWord).collect(),
                 _ => host.plan(),
             }),
-            stats: stats.map(Arc::new),
-            passes: [host.passes(&settings), host.passes(&every_effect(settings))],
+            stats: stats.map(|stats| Arc::new(self.peers.complete(&recipe, stats))),
+            passes: if recipe.is_forward() {
+                [Vec::new(), Vec::new()]
+            } else {
+                [host.passes(&settings), host.passes(&every_effect(settings))]
+            },
             view,
             recipe,
             shot,
         };
         (self.say)(Event::Picture(side, Box::new(rendered)));
-        Ok(())
     }
 
     /// Sends the reference as the picture of a side.
     pub(super) fn show_reference(&mut self, side: usize, which: Which, recipe: Recipe, made: Made) {
         let view = which.view.clone();
-        self.sides[side] = Some(Side { view: view.clone(), recipe, which: Some(which), measured: 0, owes_rays: false });
+        self.sides[side] = Some(Side { which: Some(which), ..Side::new(&view, recipe) });
+        self.peers.end_history(side);
         let Made { picture, shot } = made;
         let rendered = Rendered {
             view,
             recipe,
             picture,
+            unsettled: 0,
             shot,
             plan: Arc::default(),
             stats: None,
@@ -95,7 +142,7 @@ impl Renderer {
         own.measured += 1;
         let (view, recipe) = (own.view.clone(), own.recipe);
         // With its G-buffer, whose time counts too.
-        match self.shoot(&view, recipe, true) {
+        match self.shoot(side, &view, recipe, true) {
             Ok(Some(shot)) => (self.say)(Event::Measured(side, view, recipe, shot)),
             Ok(None) => {}
             // What was refused has been said with the picture.

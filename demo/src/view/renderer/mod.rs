@@ -6,6 +6,7 @@
 
 mod event;
 mod frames;
+mod peers;
 mod recipe;
 mod shared;
 mod slices;

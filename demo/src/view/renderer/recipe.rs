@@ -1,7 +1,8 @@
 //! What makes the picture of a side.
 
 use crate::measure::reference;
-use crate::peers::Peer;
+use crate::peers::msaa::Samples;
+use crate::peers::{AnyPeer, Peer};
 use deferred_aa::{DebugView, Settings, Technique};
 
 /// Who makes the picture of a side.
@@ -15,13 +16,25 @@ pub enum Maker {
     Fxaa,
     /// SMAA, from the picture of one sample a pixel.
     Smaa,
+    /// TAA, from pictures of one sample a pixel, each beside those before it.
+    Taa,
+    /// Hardware MSAA of forward shading.
+    Msaa(Samples),
     /// The reference that errors are measured against.
     Reference,
 }
 
 impl Maker {
     /// All but the node.
-    pub const OTHERS: [Self; 3] = [Self::Fxaa, Self::Smaa, Self::Reference];
+    pub const OTHERS: [Self; 7] = [
+        Self::Fxaa,
+        Self::Smaa,
+        Self::Taa,
+        Self::Msaa(Samples::Two),
+        Self::Msaa(Samples::Four),
+        Self::Msaa(Samples::Eight),
+        Self::Reference,
+    ];
 }
 
 /// Who makes a picture, and with which settings.
@@ -52,6 +65,8 @@ impl Recipe {
             Maker::Node => format!("{:?}", self.settings.technique),
             Maker::Fxaa => "FXAA".to_owned(),
             Maker::Smaa => "SMAA".to_owned(),
+            Maker::Taa => "TAA".to_owned(),
+            Maker::Msaa(samples) => format!("MSAA {}x", samples.count()),
             Maker::Reference => "Reference".to_owned(),
         }
     }
@@ -61,18 +76,32 @@ impl Recipe {
         let plain = || reference::truth(self.settings);
         match self.maker {
             Maker::Node => self.settings,
-            Maker::Fxaa | Maker::Smaa => Settings { technique: Technique::Single, ..plain() },
+            Maker::Fxaa | Maker::Smaa | Maker::Taa | Maker::Msaa(_) => {
+                Settings { technique: Technique::Single, ..plain() }
+            }
             Maker::Reference => plain(),
         }
     }
 
-    /// What anti-aliases the node's picture after it.
-    pub fn peer(&self) -> Option<Peer> {
+    /// What anti-aliases in place of the node.
+    pub fn peer(&self) -> Option<AnyPeer> {
         match self.maker {
-            Maker::Fxaa => Some(Peer::Fxaa),
-            Maker::Smaa => Some(Peer::Smaa),
-            _ => None,
+            Maker::Fxaa => Some(AnyPeer::Image(Peer::Fxaa)),
+            Maker::Smaa => Some(AnyPeer::Image(Peer::Smaa)),
+            Maker::Taa => Some(AnyPeer::Taa),
+            Maker::Msaa(samples) => Some(AnyPeer::Msaa(samples)),
+            Maker::Node | Maker::Reference => None,
         }
+    }
+
+    /// Whether its pictures depend on those before them.
+    pub fn has_history(&self) -> bool {
+        self.maker == Maker::Taa
+    }
+
+    /// Whether the scene is drawn in the passes that make the picture, and not in the G-buffer.
+    pub fn is_forward(&self) -> bool {
+        matches!(self.maker, Maker::Msaa(_))
     }
 
     /// Whether it shows an image and not a debug view, which is nothing to judge.

@@ -42,7 +42,7 @@ impl Stage {
         let options = Options { traces, ..options };
         let gbuffer = host::gbuffer_for(options.gbuffer, &scene, &adapter, textures, options.traced());
         let options = Options { gbuffer, ..options };
-        let gpu = Gpu::new(adapter, &options.descriptor()).map_err(|e| e.to_string())?;
+        let gpu = Gpu::for_peers(adapter, &options.descriptor()).map_err(|e| e.to_string())?;
         Host::new(gpu, scene, options).map_err(|e| e.to_string())
     }
 

@@ -1,6 +1,7 @@
 //! The renderer's thread: compares what is wanted with what it has, and does the most urgent thing that is missing.
 
 use super::event::Event;
+use super::peers::SidePeers;
 use super::recipe::{Maker, Recipe};
 use super::shared::Shared;
 use super::slices::{Slices, Which};
@@ -8,7 +9,6 @@ use super::stage::Stage;
 use super::wanted::{Source, View, Wanted, same};
 use crate::host::{Host, HostError, Options};
 use crate::measure::reference;
-use crate::peers::Peers;
 use crate::scene::open::open;
 use std::sync::{Arc, PoisonError};
 
@@ -19,8 +19,17 @@ pub struct Side {
     /// The reference, where that is what it shows.
     pub which: Option<Which>,
     pub measured: u32,
+    /// Frames until its history has settled.
+    pub unsettled: u32,
     /// Whether its frame casts rays and it has not been said yet which sample sends them.
     pub owes_rays: bool,
+}
+
+impl Side {
+    /// A side of this recipe, of which nothing is measured.
+    pub fn new(view: &Arc<View>, recipe: Recipe) -> Self {
+        Self { view: view.clone(), recipe, which: None, measured: 0, unsettled: 0, owes_rays: false }
+    }
 }
 
 /// The renderer's state.
@@ -39,7 +48,9 @@ pub struct Renderer {
     pub(super) slices: Slices,
     /// Frames of full supersampling that are still to be measured, beyond those of the reference.
     pub(super) fulls: u32,
-    pub(super) peers: Option<Peers>,
+    pub(super) peers: SidePeers,
+    /// The cuts that are known of.
+    pub(super) cuts: u64,
     busy: &'static str,
     pub(super) recoveries: u32,
 }
@@ -61,7 +72,8 @@ impl Renderer {
             filled: None,
             slices: Slices::default(),
             fulls: 0,
-            peers: None,
+            peers: SidePeers::default(),
+            cuts: 0,
             busy: "",
             recoveries: 0,
         }
@@ -102,7 +114,7 @@ impl Renderer {
     }
 
     /// Does the most urgent thing; whether there was one. An error is a lost device.
-    fn step(&mut self, wanted: &Wanted) -> Result<bool, String> {
+    pub(super) fn step(&mut self, wanted: &Wanted) -> Result<bool, String> {
         if wanted.scene.1 != self.tried {
             self.tried = wanted.scene.1;
             self.busy("opening");
@@ -128,6 +140,7 @@ impl Renderer {
             Some(filled) if **filled == view => filled.clone(),
             _ => Arc::new(view),
         };
+        self.cuts = wanted.cuts;
         let base = wanted.sides[0].or(wanted.sides[1]).map(|recipe| recipe.settings).unwrap_or_default();
         let which = Which { view: view.clone(), settings: reference::truth(base), kind: wanted.reference };
         for side in 0..2 {
@@ -144,6 +157,16 @@ impl Renderer {
                 self.render(side, view, recipe)?;
                 return Ok(true);
             }
+        }
+        let unsettled = |side: &usize| match &self.sides[*side] {
+            Some(own) if wanted.sides[*side].is_some() => own.unsettled,
+            _ => 0,
+        };
+        // Both sides settle alike.
+        if let Some(side) = (0..2).max_by_key(unsettled).filter(|side| unsettled(side) > 0) {
+            self.busy("settling");
+            self.settle(side)?;
+            return Ok(true);
         }
         // The sides in turn, so that they are measured alike.
         let measures = |side: &usize| {
@@ -206,7 +229,7 @@ impl Renderer {
         self.sides = [None, None];
         self.filled = None;
         self.slices = Slices::default();
-        self.peers = None;
+        self.peers = SidePeers::default();
     }
 
     fn rebuild(&mut self, options: Options) -> Result<(), String> {
@@ -268,6 +291,7 @@ mod tests {
         let wanted = Wanted {
             scene: (Source::default(), 0),
             view: None,
+            cuts: 0,
             sides: [None, None],
             frames: 0,
             reference: Default::default(),

@@ -90,6 +90,8 @@ pub struct Wanted {
     pub scene: (Source, u64),
     /// What to look at, once the scene is open.
     pub view: Option<View>,
+    /// How often the camera was cut so far: no history outlives a cut.
+    pub cuts: u64,
     /// What makes the pictures on either side of the divider.
     pub sides: [Option<Recipe>; 2],
     /// How many frames of each side to measure.
@@ -104,8 +106,8 @@ pub struct Wanted {
 
 /// Whether both want the same.
 pub fn same(a: &Wanted, b: &Wanted) -> bool {
-    (&a.scene, &a.view, &a.sides, a.frames, a.reference, a.paused)
-        == (&b.scene, &b.view, &b.sides, b.frames, b.reference, b.paused)
+    (&a.scene, &a.view, a.cuts, &a.sides, a.frames, a.reference, a.paused)
+        == (&b.scene, &b.view, b.cuts, &b.sides, b.frames, b.reference, b.paused)
 }
 
 /// The direction towards a sun: azimuth from +x towards +z, elevation above the horizon, degrees.

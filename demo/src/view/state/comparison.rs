@@ -59,7 +59,8 @@ impl Comparison {
     pub fn try_point(&mut self, side: &Side, kind: Reference) {
         let (Some(rendered), Some(quality)) = (&side.rendered, side.quality) else { return };
         let (Some(ms), Some(db), Some(flip)) = (side.node_ms(), quality.psnr_db, quality.flip_mean) else { return };
-        if rendered.recipe.maker == Maker::Reference {
+        // What draws the scene forward has no time of a node.
+        if rendered.recipe.maker == Maker::Reference || rendered.recipe.is_forward() {
             return;
         }
         let of = (of_any_m(&rendered.view), kind);

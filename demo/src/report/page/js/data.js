@@ -10,10 +10,11 @@ const EQUAL_TIME = 1.05;
 const STEADY = 1.3; // a time whose slowest frames take more than this over its fastest bears no advice
 const EXPLAINED = 0.9; // a fit of a lower r² bears none either
 const PASS_ORDER = ["gbuffer", "classify", "trace first", "reflect first", "refine rays", "refine", "points", "lattice_to_pixels", "first",
-  "metrics", "plan", "select", "cover", "list", "trace", "reflect", "shade", "quadrants", "reconstruct", "light", "resolve", "fxaa", "smaa", "taa", "msaa4x"];
+  "metrics", "plan", "select", "cover", "list", "trace", "reflect", "shade", "quadrants", "reconstruct", "light", "resolve", "fxaa", "smaa", "taa",
+  "msaa2x", "msaa4x", "msaa8x"];
 const KINDS = { windowed: "Windowed", selective: "Selective", multiresolution: "MultiResolution", surfaces: "Surfaces",
   reconstructed: "Reconstructed", full: "Full", single: "Single", fxaa: "FXAA", smaa: "SMAA", taa: "TAA",
-  msaa4x: "MSAA 4x", other: "other" };
+  msaa2x: "MSAA 2x", msaa4x: "MSAA 4x", msaa8x: "MSAA 8x", other: "other" };
 const MEASURES = {
   rmse: { name: "rMSE", of: (q) => fromDb(q.psnr_db) },
   edge: { name: "rMSE on edges", of: (q) => fromDb(q.edge_psnr_db) },

@@ -61,6 +61,7 @@ const spokes = (n, turn, ...radii) => "M" + Array.from({ length: n }, (_, i) => 
   const angle = (turn + i / n) * 2 * Math.PI, r = radii[i % radii.length];
   return `${(r * Math.sin(angle)).toFixed(2)},${(-r * Math.cos(angle)).toFixed(2)}`;
 }).join("L") + "Z";
+const block = (x, y) => `M${-x},${-y}H${x}V${y}H${-x}Z`;
 const SHAPES = {
   windowed: (r) => `M${-r},0a${r},${r} 0 1 0 ${2 * r},0a${r},${r} 0 1 0 ${-2 * r},0Z`,
   selective: (r) => spokes(8, 0, r * 1.5, r * 0.65),
@@ -72,7 +73,9 @@ const SHAPES = {
   fxaa: (r) => spokes(3, 0, r * 1.35),
   smaa: (r) => spokes(3, 0.5, r * 1.35),
   taa: (r) => spokes(4, 0, r * 1.5, r * 0.6),
-  msaa4x: (r, s = r * 1.1) => `M${-s},${-s}H${s}V${s}H${-s}Z`,
+  msaa2x: (r) => block(r * 0.75, r * 1.4),
+  msaa4x: (r) => block(r * 1.1, r * 1.1),
+  msaa8x: (r) => block(r * 1.4, r * 0.75),
   other: (r) => spokes(6, 0, r * 1.1),
   goal: (r) => spokes(10, 0, r * 1.35, r * 0.55),
   cross: (r) => `M${-r},${-r}L${r},${r}M${-r},${r}L${r},${-r}`,
