@@ -5,7 +5,7 @@ pub mod effects;
 pub mod executions;
 pub mod papers;
 
-use crate::measure::oracle::{Coverage, Neyman};
+use crate::measure::oracle::{Bound, Coverage};
 use crate::measure::stats::{Adapter, Stats};
 use crate::measure::temporal::{Deviation, FrameErrors};
 use cost::Cost;
@@ -166,7 +166,7 @@ pub struct Oracle {
     /// Samples along one side of a window.
     pub m: u32,
     /// The bound on means of k samples.
-    pub curve: Vec<Neyman>,
+    pub curve: Vec<Bound>,
     /// The bound on one sample a surface.
     pub exact_coverage: Option<Coverage>,
 }
