@@ -32,10 +32,11 @@ pub fn exact_coverage(samples: &Host, camera: &deferred_aa::Camera, m: u32) -> R
 
 /// How many samples are shaded, and the picture made of them.
 fn reconstruct(colors: &Picture, geometry: &Geometry, m: u32) -> Result<(usize, Picture), QualityError> {
+    let windows = geometry.windows(colors, m)?;
     let order = window::order(m);
     let mut shaded = 0;
-    let mut rgba = Vec::with_capacity(colors.rgba.len() / order.len().max(1));
-    for window in geometry.windows(colors, m)? {
+    let mut rgba = Vec::with_capacity(colors.rgba.len() / order.len());
+    for window in windows {
         shaded += window.surfaces.len();
         let mut sum = [0.0; 4];
         for ranks in &window.surfaces {
@@ -83,5 +84,16 @@ mod tests {
         // Were all one surface, one of the colours would be lost.
         let (shaded, picture) = reconstruct(&colors, &of_objects(16, |_| 0), 4).unwrap();
         assert_eq!((shaded, picture.rgba[0]), (1, [0.0, 0.5, 0.25, 1.0]));
+    }
+
+    #[test]
+    fn broken_input_is_refused() {
+        let colors = Picture::new(4, 4, vec![[0.0; 4]; 16]).unwrap();
+        for m in [0, 3, 9] {
+            assert!(
+                matches!(reconstruct(&colors, &of_objects(16, |_| 0), m), Err(QualityError::Windows { .. })),
+                "{m}"
+            );
+        }
     }
 }

@@ -40,6 +40,13 @@ struct Allocation {
     error: f64,
 }
 
+/// A colour, and its place along the line on which those of its surface vary most.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    color: DVec3,
+    along: f64,
+}
+
 /// More lights of one surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Step {
@@ -138,34 +145,66 @@ fn displayed(colors: &Picture, window: &Window) -> Vec<DVec3> {
 }
 
 /// The least squared errors of a surface that is lit once, twice, and so on until there is none.
-fn errors(mut points: Vec<DVec3>) -> Vec<f64> {
+fn errors(points: Vec<DVec3>) -> Vec<f64> {
     let line = line_of_colors(&points);
-    points.sort_by(|a, b| a.dot(line).total_cmp(&b.dot(line)));
-    let n = points.len();
-    let runs: Vec<Vec<f64>> = (0..n).map(|from| (from..=n).map(|to| run_error(&points[from..to])).collect()).collect();
-    // Of the first samples, by how many they are, with one light less than is looked at.
-    let mut least = runs[0].clone();
+    let mut places: Vec<Place> = points.into_iter().map(|color| Place { color, along: color.dot(line) }).collect();
+    places.sort_by(|a, b| a.along.total_cmp(&b.along));
+    let n = places.len();
+    // Of the first samples, by how many they are, with as many lights as there are errors.
+    let mut least = run_errors(&places);
     let mut errors = vec![least[n]];
-    for lights in 2..=n {
-        if errors[lights - 2] == 0.0 {
+    if errors[0] == 0.0 {
+        return errors;
+    }
+    let runs: Vec<Vec<f64>> = (0..n).map(|from| run_errors(&places[from..])).collect();
+    for lights in 1..n {
+        let mut with_one_more = vec![f64::INFINITY; n + 1];
+        for from in lights..n {
+            for (error, run) in with_one_more[from + 1..].iter_mut().zip(&runs[from][1..]) {
+                *error = error.min(least[from] + run);
+            }
+        }
+        least = with_one_more;
+        errors.push(least[n]);
+        if least[n] == 0.0 {
             break;
         }
-        for to in (lights..=n).rev() {
-            let cut = |from: usize| least[from] + runs[from][to - from];
-            least[to] = (lights - 1..to).map(cut).fold(f64::INFINITY, f64::min);
-        }
-        errors.push(least[n]);
     }
     errors
 }
 
-/// The squared error of a window where samples have the colour of the one of them that is nearest to their mean.
-fn run_error(points: &[DVec3]) -> f64 {
-    let n = points.len() as f64;
-    let mean = points.iter().sum::<DVec3>() / n;
-    let nearest = points.iter().map(|p| p.distance_squared(mean)).fold(f64::INFINITY, f64::min);
-    let error = n * n * nearest;
-    if error < NO_ERROR { 0.0 } else { error }
+/// For the first samples, by how many they are: the squared error of a window where they have the colour of the one of
+/// them that is nearest to their mean.
+fn run_errors(places: &[Place]) -> Vec<f64> {
+    let mut errors = vec![0.0];
+    let (mut sum, mut below) = (DVec3::ZERO, 0);
+    let mut sum_along = 0.0;
+    for (i, place) in places.iter().enumerate() {
+        sum += place.color;
+        sum_along += place.along;
+        let n = (i + 1) as f64;
+        let mean = Place { color: sum / n, along: sum_along / n };
+        // The mean moves only up the line.
+        below += places[below..i].iter().take_while(|p| p.along < mean.along).count();
+        let above = mean.nearest(places[below..=i].iter(), f64::INFINITY);
+        let error = n * n * mean.nearest(places[..below].iter().rev(), above);
+        errors.push(if error < NO_ERROR { 0.0 } else { error });
+    }
+    errors
+}
+
+impl Place {
+    /// The squared distance to the nearest of places ever farther along the line, or `known` if none is nearer.
+    fn nearest<'a>(&self, places: impl Iterator<Item = &'a Self>, known: f64) -> f64 {
+        let mut nearest = known;
+        for place in places {
+            if (place.along - self.along).powi(2) >= nearest {
+                break;
+            }
+            nearest = nearest.min(place.color.distance_squared(self.color));
+        }
+        nearest
+    }
 }
 
 /// The direction in which points vary most, by power iteration from the channel that varies with most others.
@@ -244,7 +283,7 @@ mod tests {
         assert_eq!(apart.at(10.0), Some(Bound { ratio: 0.5, psnr_db: IDENTICAL_DB }));
         // Colours of one luminance are two colours, too.
         let (red, green) = ([0.9, 0.0, 0.2], [0.0, 0.9, 0.2]);
-        let colors = picture(2, vec![red, green, green, red]);
+        let colors = picture(2, vec![red, red, green, green]);
         let two = Groups::of(&colors, &of_objects(4, |_| 0), 2).unwrap();
         assert_eq!(two.at(0.0), halves.at(0.0));
     }
