@@ -1,12 +1,15 @@
-//! The oracle: the fewest samples that could reach an error, for one who knows all n colours of every window
-//! beforehand.
+//! The oracles: the fewest samples, or lights, that could reach an error, for one who knows all n colours of every
+//! window beforehand.
 //!
 //! The colours come from a host of m = 1 at m times the picture's width and height, rendered with the same camera by
 //! `Full`: its pixels are the samples of the picture's G-buffer, on the same grid.
 
 mod coverage;
+mod groups;
+mod surfaces;
 
 pub use coverage::{Coverage, exact_coverage};
+pub use groups::Groups;
 
 use crate::measure::quality::{self, IDENTICAL_DB, QualityError};
 use crate::picture::Picture;
@@ -25,10 +28,10 @@ pub struct Windows {
     deviations: Vec<f64>,
 }
 
-/// The bound at one error.
+/// A bound at one error.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Neyman {
-    /// Samples over n · w · h, at least 1/n. Windows may have fractions of a sample, so that no whole numbers do
+pub struct Bound {
+    /// Samples, or lights, over n · w · h, at least 1/n. Windows may have fractions of one, so that no whole numbers do
     /// better.
     pub ratio: f64,
     /// Of the expected squared error of displayed values, RGB alike; [`IDENTICAL_DB`] for none.
@@ -60,7 +63,7 @@ impl Windows {
 
     /// The fewest samples whose expected root mean squared error, of displayed values in [0, 1], is at most `rmse`.
     /// `None` if that is negative or not finite.
-    pub fn neyman(&self, rmse: f64) -> Option<Neyman> {
+    pub fn neyman(&self, rmse: f64) -> Option<Bound> {
         if !(rmse.is_finite() && rmse >= 0.0) {
             return None;
         }
@@ -78,7 +81,7 @@ impl Windows {
     }
 
     /// At least two points of the bound, from one sample a window to no error at all, evenly spaced in log λ.
-    pub fn curve(&self, points: usize) -> Vec<Neyman> {
+    pub fn curve(&self, points: usize) -> Vec<Bound> {
         let (low, high) = self.bounds();
         let last = points.max(2) - 1;
         (0..=last).map(|i| self.at(high * (low / high).powf(i as f64 / last as f64))).collect()
@@ -105,11 +108,16 @@ impl Windows {
         self.deviations.iter().map(error).sum::<f64>() / self.deviations.len() as f64
     }
 
-    fn at(&self, root_lambda: f64) -> Neyman {
+    fn at(&self, root_lambda: f64) -> Bound {
         let samples: f64 = self.deviations.iter().map(|&s| self.samples(s, root_lambda)).sum();
-        let psnr_db = (-10.0 * self.error(root_lambda).log10()).min(IDENTICAL_DB);
-        Neyman { ratio: samples / (self.n * self.deviations.len() as f64), psnr_db }
+        let psnr_db = decibels(self.error(root_lambda));
+        Bound { ratio: samples / (self.n * self.deviations.len() as f64), psnr_db }
     }
+}
+
+/// PSNR of a mean squared error of displayed values.
+fn decibels(error: f64) -> f64 {
+    (-10.0 * error.log10()).min(IDENTICAL_DB)
 }
 
 /// What `Full` makes of the same samples: the mean of each window.
@@ -175,13 +183,13 @@ mod tests {
     fn flat_windows_need_one_sample() {
         // Flat within windows, not between them.
         let windows = Windows::new(&picture(8, 4, |x, _| (x / 4) as f32), 4).unwrap();
-        let flat = Neyman { ratio: 1.0 / 16.0, psnr_db: IDENTICAL_DB };
+        let flat = Bound { ratio: 1.0 / 16.0, psnr_db: IDENTICAL_DB };
         for rmse in [0.0, 1e-9, 0.1, 10.0] {
             assert_eq!(windows.neyman(rmse), Some(flat));
         }
         assert_eq!(windows.curve(3), [flat; 3]);
         let single = Windows::new(&picture(2, 2, |x, _| x as f32), 1).unwrap();
-        assert_eq!(single.neyman(0.0), Some(Neyman { ratio: 1.0, psnr_db: IDENTICAL_DB }));
+        assert_eq!(single.neyman(0.0), Some(Bound { ratio: 1.0, psnr_db: IDENTICAL_DB }));
     }
 
     #[test]

@@ -1,12 +1,12 @@
-//! How few samples could have done: the oracle at each m, and how far above it the entries lie.
+//! How few samples could have done: the oracles at each m, and how far above them the entries lie.
 
 use super::truth::fits;
 use crate::host::raster::node_camera;
-use crate::measure::oracle::{Windows, exact_coverage};
+use crate::measure::oracle::{Bound, Groups, Windows, exact_coverage};
 use crate::measure::reference;
 use crate::report::ReportError;
 use crate::report::folder::Kind;
-use crate::report::schema::{Entry, EntryOracle, MeanOfK, Oracle};
+use crate::report::schema::{Entry, EntryOracle, EqualError, Oracle};
 use crate::report::session::Session;
 use deferred_aa::{Settings, Technique};
 use serde::{Deserialize, Serialize};
@@ -22,8 +22,19 @@ struct Bounds {
     entries: BTreeMap<String, EntryOracle>,
 }
 
-/// The bounds at one m, which are also set in its entries of Windowed and Surfaces. `None` where m = 1, which has nothing to choose,
-/// and where a picture of single samples does not fit the device.
+/// What an entry is held against the bounds by.
+#[derive(Debug)]
+struct Measured {
+    id: String,
+    technique: Technique,
+    /// Against the grid.
+    error: Option<f64>,
+    /// Samples, or lights, over n · w · h.
+    ratio: f64,
+}
+
+/// The bounds at one m, which are also set in its entries of Windowed and Surfaces. `None` where m = 1, which has
+/// nothing to choose, and where a picture of single samples does not fit the device.
 pub fn bounds(session: &Session, m: u32, entries: &mut [Entry]) -> Result<Option<Oracle>, ReportError> {
     let (width, height) = (session.request.width * m, session.request.height * m);
     if m == 1 || !fits(session, 1, (width, height)) {
@@ -33,7 +44,13 @@ pub fn bounds(session: &Session, m: u32, entries: &mut [Entry]) -> Result<Option
     let ours = |e: &&mut Entry| e.stats.m == m && bounded.contains(&e.stats.settings.technique);
     let mut ours: Vec<_> = entries.iter_mut().filter(ours).collect();
     ours.sort_by(|a, b| a.id.cmp(&b.id));
-    let measured: Vec<_> = ours.iter().map(|e| (e.id.clone(), e.grid_error(), e.stats.samples.ratio)).collect();
+    let measured = |e: &&mut Entry| Measured {
+        id: e.id.clone(),
+        technique: e.stats.settings.technique,
+        error: e.grid_error(),
+        ratio: e.stats.samples.ratio,
+    };
+    let measured: Vec<_> = ours.iter().map(measured).collect();
     let name = format!("oracle-m{m}");
     let fingerprint = session.fingerprint.with(&(&name, &measured)).hex();
     let bounds = match session.folder.finished(Kind::Part, &name, &fingerprint) {
@@ -50,24 +67,34 @@ pub fn bounds(session: &Session, m: u32, entries: &mut [Entry]) -> Result<Option
     Ok(Some(bounds.oracle))
 }
 
-/// From a picture of m = 1 whose pixels are the samples. `measured`: ids with their error against the grid and ratio.
+/// From a picture of m = 1 whose pixels are the samples.
 fn compute(
     session: &Session,
     m: u32,
     (width, height): (u32, u32),
-    measured: &[(String, Option<f64>, f64)],
+    measured: &[Measured],
 ) -> Result<Bounds, ReportError> {
     let mut host = session.host_of(session.scene.clone(), 1, (width, height))?;
     // The stall changes no colour.
     host.set_stall(1);
     session.frame(&mut host, reference::grid(Settings::default()))?;
+    let camera = node_camera(&session.view, width, height);
     let windows = Windows::new(&host.picture(), m)?;
-    let coverage = exact_coverage(&host, &node_camera(&session.view, width, height), m)?;
-    let entry = |&(ref id, error, ratio): &(String, Option<f64>, f64)| {
-        let oracle = error.and_then(|e| windows.neyman(e));
-        let mean_of_k = oracle.map(|o| MeanOfK { ratio: o.ratio, achieved_over_oracle: ratio / o.ratio });
-        (id.clone(), EntryOracle { mean_of_k, exact_coverage: Some(coverage) })
+    let lit_in_groups = |e: &Measured| e.technique == Technique::Surfaces;
+    let groups = measured.iter().any(lit_in_groups).then(|| Groups::new(&host, &camera, m)).transpose()?;
+    let coverage = exact_coverage(&host, &camera, m)?;
+    let entry = |e: &Measured| {
+        let over = |b: Bound| EqualError { ratio: b.ratio, achieved_over_oracle: e.ratio / b.ratio };
+        let mean_of_k = e.error.and_then(|error| windows.neyman(error)).map(over);
+        let of_groups = groups.as_ref().filter(|_| lit_in_groups(e));
+        let groups = of_groups.and_then(|groups| groups.at(e.error?)).map(over);
+        (e.id.clone(), EntryOracle { mean_of_k, groups, exact_coverage: Some(coverage) })
     };
-    let oracle = Oracle { m, curve: windows.curve(POINTS), exact_coverage: Some(coverage) };
+    let oracle = Oracle {
+        m,
+        curve: windows.curve(POINTS),
+        groups: groups.as_ref().map_or(Vec::new(), |groups| groups.curve(POINTS)),
+        exact_coverage: Some(coverage),
+    };
     Ok(Bounds { oracle, entries: measured.iter().map(entry).collect() })
 }

@@ -5,7 +5,7 @@ pub mod effects;
 pub mod executions;
 pub mod papers;
 
-use crate::measure::oracle::{Coverage, Neyman};
+use crate::measure::oracle::{Bound, Coverage};
 use crate::measure::stats::{Adapter, Stats};
 use crate::measure::temporal::{Deviation, FrameErrors};
 use cost::Cost;
@@ -46,7 +46,7 @@ pub struct Report {
     pub truth: Option<TruthInfo>,
     /// The entries that were measured, in the order of the plan.
     pub entries: Vec<Entry>,
-    /// The bounds on mean-of-k and on exact coverage, by m.
+    /// The bounds on mean-of-k, on groups of a surface's samples and on exact coverage, by m.
     pub oracles: Vec<Oracle>,
     /// Where the entries' flicker was measured.
     pub temporal: Option<TemporalBase>,
@@ -146,17 +146,19 @@ pub struct Files {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct EntryOracle {
     /// The fewest samples of mean-of-k for the same error.
-    pub mean_of_k: Option<MeanOfK>,
+    pub mean_of_k: Option<EqualError>,
+    /// The fewest lights of groups of a surface's samples for the same error; of Surfaces only.
+    pub groups: Option<EqualError>,
     /// One sample a surface, weighted by its coverage.
     pub exact_coverage: Option<Coverage>,
 }
 
-/// Neyman's allocation with the error of an entry.
+/// A bound with the error of an entry.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct MeanOfK {
-    /// Samples over all n · w · h samples.
+pub struct EqualError {
+    /// The bound's samples or lights over all n · w · h samples.
     pub ratio: f64,
-    /// The entry's samples over these.
+    /// The entry's samples or lights over these.
     pub achieved_over_oracle: f64,
 }
 
@@ -166,7 +168,10 @@ pub struct Oracle {
     /// Samples along one side of a window.
     pub m: u32,
     /// The bound on means of k samples.
-    pub curve: Vec<Neyman>,
+    pub curve: Vec<Bound>,
+    /// The bound on lights of groups of a surface's samples, where there are entries of Surfaces.
+    #[serde(default)]
+    pub groups: Vec<Bound>,
     /// The bound on one sample a surface.
     pub exact_coverage: Option<Coverage>,
 }

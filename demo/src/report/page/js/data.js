@@ -87,6 +87,7 @@ function readEntry(raw, index) {
     perPixel: raw.samples?.mean_k ?? (finite(ratio) && m ? ratio * m * m : null),
     quality: { truth: raw.quality?.truth ?? {}, grid: raw.quality?.grid ?? {} },
     aboveOracle: raw.oracle?.mean_of_k?.achieved_over_oracle ?? null,
+    aboveGroups: raw.oracle?.groups?.achieved_over_oracle ?? null,
   };
 }
 

@@ -1,12 +1,17 @@
 // The plots of error against a cost. Needs data.js and draw.js.
 
 const NO_BOUNDS = { curves: [], crosses: [] };
+/** The curves of an oracle by their field in report.json. */
+const BOUNDS = {
+  curve: { name: "oracle", style: "oracle", legend: "oracle, mean of k" },
+  groups: { name: "groups", style: "oracle groups", legend: "groups at equal error" },
+};
 const MEASURE_NAMES = { rmse: "rMSE", edge: "edges", flip: "FLIP", ssim: "1 − SSIM" };
 const errorName = ({ measure, against }) => `${MEASURES[measure].name} against ${AGAINST[against]}`;
 
 /**
  * spec: name, title, xName, costName; cost(entry); frontier: which of the report's; state: {measure, against};
- * bounds(state): {curves: [{m, points}], crosses: [point]}.
+ * bounds(state): {curves: [{m, points, name, style}], crosses: [point]}.
  */
 function scatter(host, model, spec) {
   if (!model.entries.some((e) => spec.cost(e) > 0 && finite(model.error(e)))) {
@@ -44,7 +49,7 @@ function drawScatter(model, spec, points, bounds, width) {
   const svg = sv("svg", { viewBox: `0 0 ${width} ${frame.height}`, role: "group", "aria-label": help },
     axes(box, x, y, frame.xTicks, frame.yTicks, spec.xName, `${errorName(spec.state)}; lower is better`), frame.zero,
     fronts.filter((f) => f.length > 1).map((f) => line("frontier", f.map(at))),
-    bounds.curves.map((c) => line("oracle", c.points.map(at))),
+    bounds.curves.map((c) => line(c.style, c.points.map(at))),
     bounds.crosses.map((c) => sv("path", { class: "cross", d: SHAPES.cross(5), transform: move(at(c)) })),
     series.map((s) => sv("g", { class: `k-${s.kind}` }, line("line", s.front.map(at)))),
     points.map((p) => whisker(spec.spread?.(p.entry), p, x, box)), marks,
@@ -102,7 +107,7 @@ function scatterLabels(model, points, series, bounds, best, at) {
     ...of((e) => e.kind === "full" && e !== model.pick, short),
     ...series.filter((s) => s.kind !== "full").map((s) => beside(s.front.find((p) => p.entry === model.baseline) ??
       s.front.find((p) => p.entry.preset === "balanced") ?? s.front[0], s.name)),
-    ...bounds.curves.map((c) => beside(c.points[c.points.length - 1], `oracle m=${c.m}`)),
+    ...bounds.curves.map((c) => beside(c.points[c.points.length - 1], `${c.name} m=${c.m}`)),
     ...of((e) => e.preset && e !== model.pick && best.has(e), short),
   ];
 }
@@ -189,18 +194,20 @@ function scatterNotes(model, spec, points, bounds) {
     model.pick && key("none", sv("path", { class: "picked", d: ring(5.5) }), "recommended"),
     spec.spread && points.some((p) => p.entry.wavers > STEADY) && key("none", sv("line", { class: "spread loose", x1: -7, x2: 7 }),
       `times of frames, over ${STEADY}× apart`),
-    bounds.curves.length > 0 && key("none", line("oracle", [[-9, 0], [9, 0]]), "oracle, mean of k"),
+    ...Object.values(BOUNDS).map(({ name, style, legend: text }) => (
+      bounds.curves.some((c) => c.name === name) && key("none", line(style, [[-9, 0], [9, 0]]), text))),
     bounds.crosses.length > 0 && key("none", sv("path", { class: "cross", d: SHAPES.cross(4) }), "exact coverage"));
   const text = `Not drawn, for want of a figure: ${missing} of ${model.entries.length} entries.`;
   return missing ? [legend, el("p", { class: "fine" }, text)] : [legend];
 }
 
-/** The oracle's curves and exact coverage, as samples a pixel: bounds on the displayed error against the grid. */
+/** The oracles' curves and exact coverage, as samples a pixel: bounds on the displayed error against the grid. */
 function oracleBounds({ report }, state) {
   if (state.against !== "grid" || state.measure !== "rmse") return NO_BOUNDS;
   const point = (m, p) => ({ x: p.ratio * m * m, y: fromDb(p.psnr_db), m }), drawn = (p) => p.x > 0 && p.y > 0;
   const oracles = list(report.oracles).filter((o) => finite(o.m));
-  const curve = ({ m, curve: points }) => ({ m, points: byCost(list(points).map((p) => point(m, p)).filter(drawn)) });
-  return { curves: oracles.map(curve).filter((c) => c.points.length > 1),
+  const curves = ({ m, ...fields }) => Object.entries(BOUNDS).map(([field, { name, style }]) => (
+    { m, name, style, points: byCost(list(fields[field]).map((p) => point(m, p)).filter(drawn)) }));
+  return { curves: oracles.flatMap(curves).filter((c) => c.points.length > 1),
     crosses: oracles.filter((o) => o.exact_coverage).map((o) => point(o.m, o.exact_coverage)).filter(drawn) };
 }

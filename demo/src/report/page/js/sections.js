@@ -69,11 +69,16 @@ function drawOracle(host, model) {
   if (!shown.length) return host.append(none("No oracle was computed."));
   const exact = list(model.report.oracles).filter((o) => o.exact_coverage).map(({ m, exact_coverage: bound }) => (
     `${percent(bound.ratio)} of the samples for ${decibels(bound.psnr_db)} at m${NBSP}=${NBSP}${plain(m)}`));
+  const groups = shown.some((e) => finite(e.aboveGroups)) ? [
+    { name: "Groups", text: (e) => percent(e.raw.oracle.groups?.ratio) },
+    { name: "Over groups", text: (e) => times(e.aboveGroups) },
+  ] : [];
   host.append(table("Achieved over the oracle", [
     { name: "Entry", text: (e) => e.name },
     { name: "Samples", text: (e) => percent(e.ratio) },
     { name: "Oracle", text: (e) => percent(e.raw.oracle.mean_of_k.ratio) },
-    { name: "Achieved / oracle", text: (e) => times(e.aboveOracle) },
+    { name: "Over oracle", text: (e) => times(e.aboveOracle) },
+    ...groups,
   ], shown, { tall: true }), el("p", { class: "fine" }, exact.length ? `Exact coverage: ${join(exact)}.` : ""));
 }
 
