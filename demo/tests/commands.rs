@@ -518,6 +518,19 @@ fn settings_reach_the_frame() {
 }
 
 #[test]
+fn samples_that_share_rays_are_named() {
+    let folder = Folder::new("share");
+    let said = |room: &str| {
+        let set = format!("ray_samples={room}");
+        let output = render(&folder, &["--scene", "shadows", "--frames", "1", "--no-reference", "--set", &set]);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        text(&output.stderr)
+    };
+    assert!(said("0").contains("no room for their own: --set ray_samples=3 keeps all"), "{}", said("0"));
+    assert!(!said("3").contains("no room"), "{}", said("3"));
+}
+
+#[test]
 fn a_file_of_settings_reaches_the_frame_or_is_refused() {
     let folder = Folder::new("settings");
     let file = folder.file("s.json", br#"{"version": 1, "settings": {"technique": "full", "view": "count"}}"#);

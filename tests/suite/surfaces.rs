@@ -1,14 +1,14 @@
 //! `Surfaces` against its twin, and against `Full`.
 
 use crate::harness::{Output, Rig, SHOW_USER, Sample, noise, rgba8, stored_normal};
-use crate::shadows::probed;
+use crate::shadows::{bits, probed};
 use deferred_aa::glam::{DVec2, DVec3, Vec2, Vec3};
 use deferred_aa::reference::rays::shared_exponent;
 use deferred_aa::reference::sample::relative_position;
 use deferred_aa::reference::surfaces::cover::{Around, Covered, Seen, cover, rays};
 use deferred_aa::reference::surfaces::light::{Block, Corner, Group, Light, Lookup, Material, Tap, Window};
 use deferred_aa::wgpu;
-use deferred_aa::{Preset, Settings, SurfaceWord, Surfaces, Technique, Weight, Windowed, window};
+use deferred_aa::{DecidedBy, Preset, Settings, SurfaceWord, Surfaces, Technique, Weight, Windowed, window};
 use deferred_aa_demo::gpu::{self, Gpu};
 use deferred_aa_demo::host::{Host, Options};
 use deferred_aa_demo::quality::psnr;
@@ -516,6 +516,7 @@ fn rays_are_cast_where_the_twin_wants_them() {
         let settings = settings(Surfaces { shadow_reach, ..Default::default() });
         let probed = probed(&mut host, &camera, &settings, shadow_reach);
         host.frame(&camera, settings).expect("a frame");
+        let found = bits(&host);
         let passed = host.aa.intermediates().expect("a size");
         let read = |buffer: Option<&wgpu::Buffer>| -> Vec<u32> {
             buffer.map_or(Vec::new(), |buffer| bytemuck::pod_collect_to_vec(&host.gpu.read_buffer(buffer)))
@@ -529,7 +530,7 @@ fn rays_are_cast_where_the_twin_wants_them() {
             let c = shared_exponent::decode(first(&reflections, x, y));
             c / (1.0 + c)
         };
-        let mut all = [0; 3];
+        let (mut all, mut alone) = ([0; 3], 0);
         for (i, word) in host.plan().into_iter().enumerate() {
             let (x, y) = ((i as u32 % width) as i32, (i as u32 / width) as i32);
             let near = |reach: i32| (-reach..=reach).flat_map(move |j| (-reach..=reach).map(move |i| (x + i, y + j)));
@@ -543,11 +544,18 @@ fn rays_are_cast_where_the_twin_wants_them() {
                     .fold(0.0, f64::max),
             };
             let surfaces = SurfaceWord(words[passed.slots.pixel(x as u32, y as u32)]).surfaces();
-            let (wanted, margin) = rays(16, surfaces as u8, &around);
-            assert!(word.k() as usize == wanted || margin < 1e-6, "{name} ({x}, {y}): {} {around:?}", word.k());
+            let wanted = rays(16, surfaces as u8, &around);
+            let same = (word.k() as usize, word.decided_by()) == (wanted.k, wanted.by);
+            assert!(same || wanted.margin < 1e-6, "{name} ({x}, {y}): {word:?} {around:?}");
+            if word.decided_by() == DecidedBy::Luminance {
+                let bits = &found[i][..wanted.k];
+                assert!(bits.iter().all(|of_rank| *of_rank == bits[0]), "{name} ({x}, {y}): {bits:?}");
+                alone += 1;
+            }
             all[[1, 4, 16].iter().position(|k| *k == word.k()).expect("one of three")] += 1;
         }
         assert!(all[0] > 500 && all[2] > 200 && (all[1] > 10 || name == "shadows"), "{name}: {all:?}");
+        assert!(alone > 100 || name == "shadows", "{name}: {alone}");
     }
 }
 

@@ -107,6 +107,14 @@ impl Render {
         if bands > 1 {
             eprintln!("rendered in {bands} bands");
         }
+        let sharing = shots.last().map_or(0, |shot| shot.statistics.without_rays);
+        if sharing > 0 {
+            eprintln!(
+                "{sharing} samples took the ray results of their pixel's first one, as there was no room for their own: \
+                 --set ray_samples={} keeps all",
+                n - 1
+            );
+        }
         summary.iter().for_each(|summary| say(summary));
         say(&out.display().to_string());
         Ok(())

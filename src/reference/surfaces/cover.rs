@@ -1,5 +1,6 @@
 //! Twin of `shaders/surfaces/cover.wgsl`: the surfaces of a window.
 
+use crate::host::plan::DecidedBy as By;
 use crate::settings::Surfaces;
 use glam::DVec3;
 
@@ -102,15 +103,31 @@ pub struct Around {
     pub contrast: f64,
 }
 
-/// How many of a window's samples cast rays, and how near the contrast came to a threshold.
-pub fn rays(n: usize, surfaces: u8, around: &Around) -> (usize, f64) {
+/// The samples of a window that cast rays.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rays {
+    /// How many.
+    pub k: usize,
+    /// Why: [`By::Identity`] with several surfaces, [`By::Shadow`] near an edge of one, [`By::Luminance`] where only what is
+    /// reflected differs, so that the first sample's shadow bits hold for all.
+    pub by: By,
+    /// How near the contrast came to a threshold.
+    pub margin: f64,
+}
+
+/// How many of a window's samples cast rays.
+pub fn rays(n: usize, surfaces: u8, around: &Around) -> Rays {
     const SEEN: f64 = 0.02;
-    let margin = (around.contrast - SEEN).abs().min((around.contrast - 0.25 * SEEN).abs());
     if surfaces > 1 || around.shadow_edge {
-        return (n, f64::INFINITY);
+        let by = if surfaces > 1 { By::Identity } else { By::Shadow };
+        return Rays { k: n, by, margin: f64::INFINITY };
     }
-    let few = if around.contrast > 0.25 * SEEN { n.min(4) } else { 1 };
-    (if around.contrast > SEEN { n } else { few }, margin)
+    let margin = (around.contrast - SEEN).abs().min((around.contrast - 0.25 * SEEN).abs());
+    match around.contrast {
+        contrast if contrast > SEEN => Rays { k: n, by: By::Luminance, margin },
+        contrast if contrast > 0.25 * SEEN => Rays { k: n.min(4), by: By::Luminance, margin },
+        _ => Rays { k: 1, by: By::Nothing, margin },
+    }
 }
 
 #[cfg(test)]
