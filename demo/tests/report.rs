@@ -177,6 +177,11 @@ fn every_field_and_file_is_there() {
         }
         assert_eq!(entry["quality"]["grid"].is_null(), id == "single-m1", "{id}");
     }
+    let groups = |id: &str| find(report, id)["oracle"]["groups"]["achieved_over_oracle"].as_f64();
+    assert!((0.5..2.0).contains(&groups("surfaces-m2").unwrap_or(0.0)), "{:?}", groups("surfaces-m2"));
+    assert_eq!(groups("windowed-m2"), None);
+    let curve = report["oracles"][0]["groups"].as_array().map_or(0, Vec::len);
+    assert!(curve > 2, "{curve} points");
     assert_eq!(find(report, "windowed-m2-paper")["preset"], "paper");
     assert_eq!(find(report, "full-m2")["quality"]["grid"]["psnr_db"], 200.0);
     for name in ["truth.png", "truth.exr", "edges.png"] {

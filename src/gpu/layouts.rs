@@ -533,6 +533,7 @@ fn workgroups_are_the_shaders() {
         ("daa_max_filter_main", tile),
         ("daa_metrics_main", tile),
         ("daa_places_main", [256, 1, 1]),
+        ("daa_probe_main", flat),
         ("daa_plan_main", flat),
         ("daa_shade_full", tile),
         ("daa_shade_gather", tile),

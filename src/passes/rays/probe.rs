@@ -3,7 +3,7 @@
 use super::{Cast, over_tiles};
 use crate::gpu::binding::{Binding, PassData, Slot};
 use crate::gpu::modules::{Base, Module};
-use crate::host::graph::{Part, PassKind, Rounds, Stage};
+use crate::host::graph::{Part, PassKind, Rounds};
 use crate::wgsl::chunk;
 
 static MODULE: Module = Module {
@@ -18,9 +18,11 @@ pub(crate) static PROBE: PassData = PassData {
     module: &MODULE,
     gbuffer: true,
     bindings: &{
-        let [a, b, c, d, e, f, g, h, i] = Cast::GEOMETRIC.bindings(("daa_shadows", Part::Shadows));
-        [a, b, c, d, e, f, g, h, i, Binding::write(9, "daa_probed", Slot::Part(Part::Plan))]
+        let [tree, meshes, top, casting, _, shadows, statistics, tiles, _] =
+            Cast::GEOMETRIC.bindings(("daa_shadows", Part::Shadows));
+        let probed = Binding::write(9, "daa_probed", Slot::Part(Part::Plan));
+        [tree, meshes, top, casting, shadows, statistics, tiles, probed]
     },
-    stages: &[Stage { without: &["daa_plan", "daa_points"], ..over_tiles("daa_probe_main", 0) }],
+    stages: &[over_tiles("daa_probe_main", 0)],
     rounds: Rounds::Once,
 };
