@@ -108,6 +108,8 @@ fn any_size(random: &mut Random, m: u32) -> [u32; 2] {
 
 /// What the node holds after the same frame of the same size.
 fn at_rest(stage: &mut dyn Stage) -> [u64; 3] {
+    // From another size, as one that stays keeps what earlier frames have added.
+    stage.resize([4, 5]);
     stage.resize([5, 4]);
     let extras = Extras { exposure: 1.0, depth: None, checks: false, objects: Vec::new() };
     // What `Selective` and rays have once made stays.
