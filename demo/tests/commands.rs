@@ -426,7 +426,19 @@ fn assert_stats(stats: &Value, technique: &str) {
     let expected: &[&str] = match technique {
         "single" => &["classify", "trace first", "first", "resolve"],
         "full" => &["classify", "trace", "shade", "resolve"],
-        _ => &["classify", "trace first", "first", "metrics", "plan", "places", "trace", "list", "shade", "resolve"],
+        _ => &[
+            "classify",
+            "trace first",
+            "probe",
+            "first",
+            "metrics",
+            "plan",
+            "places",
+            "trace",
+            "list",
+            "shade",
+            "resolve",
+        ],
     };
     assert_eq!(passes, expected);
     let times = place("time_ms").as_object().unwrap();
