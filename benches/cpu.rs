@@ -49,6 +49,7 @@ fn twins(c: &mut Criterion) {
         first: &first,
         user: &[],
         shadow: &[],
+        probed: &[],
         exposure: 1.0,
     };
     let windowed = Windowed::default();
