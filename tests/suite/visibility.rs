@@ -334,17 +334,24 @@ fn both_tiers_show_the_same() {
             // Where cloths of atrium turn away from the sun, a ray from a rebuilt position may miss what an exact one hits:
             // three pixels of this picture.
             let shadows = if name == "atrium" { Effect::Off } else { Effect::Auto };
-            let settings = Settings { technique, shadows, ..Default::default() };
+            // A ray of `probe` that grazes an edge on one tier decides how many samples a window has.
+            let windowed = Windowed { shadow_reach: 0, ..Default::default() };
+            let settings = Settings { technique, shadows, windowed, ..Default::default() };
             let [a, b] = [&mut stored, &mut visible].map(|host| {
                 let counted = host.frame(&camera, settings).unwrap_or_else(|e| panic!("{name}: {e}")).statistics;
                 assert_eq!((counted.not_finite, counted.negative), (0, 0), "{name}, {technique:?}");
                 host.picture()
             });
             let apart = psnr(&a, &b).unwrap_or(f64::INFINITY);
-            // A single ray that grazes an edge on one tier decides how many samples a window of `shadows` has.
-            let least = if (name, technique) == ("shadows", Technique::Windowed) { 59.5 } else { 60.0 };
-            assert!(apart >= least, "{name}, {technique:?}: {apart} dB");
+            assert!(apart >= 60.0, "{name}, {technique:?}: {apart} dB");
         }
+        let counts = [&mut stored, &mut visible].map(|host| {
+            host.frame(&camera, Settings::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
+            host.counts(Technique::Windowed)
+        });
+        let apart = counts[0].iter().zip(&counts[1]).filter(|(a, b)| a != b).count();
+        eprintln!("{name}: {apart} counts differ");
+        assert!(apart <= 96 * 54 / 100, "{name}: the counts of {apart} windows differ");
         let bytes = [stored.aa.memory().gbuffer, visible.aa.memory().gbuffer];
         assert_eq!(bytes, [36, 8].map(|bytes| 96 * 54 * u64::from(m * m) * bytes), "{name}");
         assert!(stored.edge_mask() == visible.edge_mask(), "{name}: the edges differ");
