@@ -350,8 +350,7 @@ fn both_tiers_show_the_same() {
             host.counts(Technique::Windowed)
         });
         let apart = counts[0].iter().zip(&counts[1]).filter(|(a, b)| a != b).count();
-        eprintln!("{name}: {apart} counts differ");
-        assert!(apart <= 96 * 54 / 100, "{name}: the counts of {apart} windows differ");
+        assert!(apart <= 10, "{name}: the counts of {apart} windows differ");
         let bytes = [stored.aa.memory().gbuffer, visible.aa.memory().gbuffer];
         assert_eq!(bytes, [36, 8].map(|bytes| 96 * 54 * u64::from(m * m) * bytes), "{name}");
         assert!(stored.edge_mask() == visible.edge_mask(), "{name}: the edges differ");
