@@ -206,3 +206,20 @@ fn daa_shadows_at(position: vec3f, normal: vec3f, geometric_normal: vec3f, objec
     }
     return bits;
 }
+
+var<workgroup> daa_group_shadow_rays: array<u32, 64>;
+
+/// Adds the shadow rays of a workgroup's 64 lanes to the statistics. All lanes call it.
+fn daa_count_shadow_rays(lane: u32, rays: u32) {
+    daa_group_shadow_rays[lane] = rays;
+    workgroupBarrier();
+    if lane == 0u {
+        var sum = 0u;
+        for (var i = 0u; i < 64u; i++) {
+            sum += daa_group_shadow_rays[i];
+        }
+        if sum != 0u {
+            atomicAdd(&daa_statistics.shadow_rays, sum);
+        }
+    }
+}

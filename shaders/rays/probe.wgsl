@@ -6,8 +6,6 @@
 /// 1 for each window that an edge of a shadow crosses, in the place of the plan, which is not made yet.
 @group(3) @binding(9) var<storage, read_write> daa_probed: array<u32>;
 
-var<workgroup> daa_group_rays: array<u32, 64>;
-
 /// No lattice casts rays here.
 fn daa_wants(point: DaaPoint) -> bool {
     return false;
@@ -56,15 +54,5 @@ fn daa_probe_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation
         }
         daa_probed[daa_slot(pixel)] = u32(differs);
     }
-    daa_group_rays[lane] = rays;
-    workgroupBarrier();
-    if lane == 0u {
-        var sum = 0u;
-        for (var i = 0u; i < 64u; i++) {
-            sum += daa_group_rays[i];
-        }
-        if sum != 0u {
-            atomicAdd(&daa_statistics.shadow_rays, sum);
-        }
-    }
+    daa_count_shadow_rays(lane, rays);
 }

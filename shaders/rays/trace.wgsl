@@ -4,8 +4,6 @@
 /// the same layout.
 @group(3) @binding(5) var<storage, read_write> daa_shadows: array<u32>;
 
-var<workgroup> daa_group_rays: array<u32, 64>;
-
 /// All points are written, those of the sky, too.
 fn daa_wants(point: DaaPoint) -> bool {
     return true;
@@ -78,15 +76,5 @@ fn daa_trace_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation
         }
         rays += bits.y;
     }
-    daa_group_rays[lane] = rays;
-    workgroupBarrier();
-    if lane == 0u {
-        var sum = 0u;
-        for (var i = 0u; i < 64u; i++) {
-            sum += daa_group_rays[i];
-        }
-        if sum != 0u {
-            atomicAdd(&daa_statistics.shadow_rays, sum);
-        }
-    }
+    daa_count_shadow_rays(lane, rays);
 }
