@@ -185,12 +185,12 @@ impl Default for Windowed {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Preset {
-    /// Sponza 40.6 dB at 19.8 % of the samples, atrium 44.4 at 24.5, checker 41.2 at 16.5, fence 54.0 at 26.2.
+    /// Sponza 40.6 dB at 19.8 % of the samples, atrium 45.1 at 24.5, checker 41.2 at 16.5, fence 54.0 at 26.2.
     Fast,
-    /// Sponza 43.8 dB at 32.8 % of the samples, atrium 49.4 at 36.3, checker 45.1 at 28.6, fence 55.2 at 29.4.
+    /// Sponza 43.8 dB at 32.8 % of the samples, atrium 49.4 at 35.2, checker 45.1 at 28.5, fence 55.2 at 29.4.
     #[default]
     Balanced,
-    /// Sponza 48.7 dB at 53.6 % of the samples, atrium 54.3 at 49.2, checker 49.9 at 36.8, fence 56.4 at 33.1.
+    /// Sponza 48.6 dB at 53.6 % of the samples, atrium 54.4 at 48.3, checker 49.9 at 36.7, fence 56.4 at 33.1.
     Quality,
 }
 
