@@ -11,7 +11,7 @@ use crate::host::table::TextureTier;
 use crate::{HOST_GROUP, SECOND_HOST_GROUP};
 use naga::common::wgsl::TypeContext as _;
 use std::ops::Range;
-use tokens::{declarations, unclosed, without_entry_points};
+use tokens::{declarations, unclosed};
 
 /// The WGSL of `daa_texture` on a tier, without the directive that the binding tier needs.
 pub(crate) fn table_chunk(tier: TextureTier) -> &'static str {
@@ -103,7 +103,6 @@ impl Type {
 impl HostSource {
     /// Parses and validates the host's source joined with the contract, on the capabilities of the device.
     pub fn check(source: &str, file: &str, tier: TextureTier, features: wgpu::Features) -> Result<Self, ShadingError> {
-        let source = &without_entry_points(source);
         let contract = [chunk::CONTRACT, chunk::OCTAHEDRAL, table_chunk(tier)];
         let joined = Joined::new(directives(tier), source, &contract);
         let at = |range: Option<Range<usize>>, kind| joined.error(file, range, kind);

@@ -67,32 +67,6 @@ pub(crate) fn declarations(source: &str) -> Vec<(usize, &str)> {
     names
 }
 
-/// The source with blanks in place of its entry points, so that what remains keeps its lines and columns. A host's file
-/// may have passes of its own, which mean nothing to the crate's.
-pub(crate) fn without_entry_points(source: &str) -> String {
-    let mut kept = source.to_owned();
-    let (mut start, mut depth, mut enters, mut after) = (None, 0, false, "");
-    for (at, token) in tokens(source) {
-        let from = *start.get_or_insert(at);
-        match token {
-            "{" | "(" | "[" => depth += 1,
-            "}" | ")" | "]" => depth -= 1,
-            "compute" | "vertex" | "fragment" if depth == 0 && after == "@" => enters = true,
-            _ => {}
-        }
-        after = token;
-        if depth == 0 && matches!(token, "}" | ";") {
-            if enters {
-                let range = from..at + token.len();
-                let blank = |c: char| if c == '\n' { "\n".into() } else { " ".repeat(c.len_utf8()) };
-                kept.replace_range(range.clone(), &source[range].chars().map(blank).collect::<String>());
-            }
-            (start, enters) = (None, false);
-        }
-    }
-    kept
-}
-
 /// The position of the first bracket that is not closed.
 pub(crate) fn unclosed(source: &str) -> Option<usize> {
     let mut open = Vec::new();

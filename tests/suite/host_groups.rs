@@ -11,14 +11,18 @@ const WIDTH: u32 = 13;
 const HEIGHT: u32 = 7;
 
 /// Each sample's `user` is the place of its texel, so that the hook can tell whether `texel` is right. The factors come
-/// from two groups.
+/// from two groups. Passes of the host's own stand beside it.
 const SHADING: &str = "
 @group(2) @binding(0) var<uniform> factor: vec4f;
 @group(1) @binding(3) var<storage, read> second: array<f32>;
 fn shade(s: DaaSample) -> vec4f {
     let right = s.user == (s.texel.x | (s.texel.y << 16u));
     return vec4f(select(0.0, 1.0, right)) * factor * second[0];
-}";
+}
+@compute @workgroup_size(8) fn main(@builtin(global_invocation_id) id: vec3u) { if id.x > 0u { return; } }
+struct Varyings { @builtin(position) clip: vec4f, @location(0) uv: vec2f }
+@vertex fn vertex(@builtin(vertex_index) i: u32) -> Varyings { return Varyings(vec4f(f32(i)), vec2f(0.0)); }
+@fragment fn fragment(v: Varyings) -> @location(0) vec4f { return dpdx(vec4f(v.uv, 0.0, 1.0)) * factor; }";
 
 fn layout(gpu: &Gpu, binding: u32, ty: wgpu::BufferBindingType) -> wgpu::BindGroupLayout {
     gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {

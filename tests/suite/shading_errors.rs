@@ -188,7 +188,7 @@ fn groups() {
     assert_snapshot!(beside_a_hook("§var<uniform> tint: vec4f;"), @"game/toon.wgsl:1:1: `tint`: Binding decoration is missing or not applicable");
 }
 
-/// A file may hold the host's own passes: they are left out, and errors behind them keep their places.
+/// A file may hold the host's own passes, which are no part of shading.
 #[test]
 fn entry_points_are_the_hosts_own_business() {
     let passes =
@@ -202,8 +202,13 @@ const fragments = 3;
     assert_eq!(check(TextureTier::None, &format!("{passes}\n{SHADE}")), Ok(()));
     assert_snapshot!(beside_a_hook(&format!("{passes}\n@fragment fn f() {{}} fn b() -> f32 {{ return §oops; }}")), @"game/toon.wgsl:9:44: no definition in scope for identifier: `oops`");
     // What an entry point reads is not read by shading.
-    let unread = format!("@compute @workgroup_size(1) fn main() {{ var s: DaaSample; let uv = s.uv; }}\n{SHADE}");
-    assert_eq!(check(TextureTier::None, &unread), Ok(()));
+    for enters in [
+        "@compute @workgroup_size(1) fn main() { var s: DaaSample; let uv = s.uv; }",
+        "@vertex fn main() -> @builtin(position) vec4f { var s: DaaSample; return vec4f(s.uv, 0.0, 1.0); }",
+        "@fragment fn main() -> @location(0) vec4f { var s: DaaSample; return vec4f(s.uv, 0.0, 1.0); }",
+    ] {
+        assert_eq!(check(TextureTier::None, &format!("{enters}\n{SHADE}")), Ok(()), "{enters}");
+    }
     // A hook is none.
     assert_snapshot!(error("@fragment fn shade() -> @location(0) vec4f { return vec4f(1.0); }"), @"game/toon.wgsl: no shading function; write `fn shade(s: DaaSample) -> vec4f`, or both `fn material(s: DaaSample) -> DaaMaterial` and `fn light(f: DaaSurface, m: DaaMaterial) -> vec4f`");
 }
