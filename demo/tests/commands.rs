@@ -615,38 +615,49 @@ fn tune(folder: &Folder, arguments: &[&str]) -> Output {
 #[test]
 fn a_search_writes_what_it_did_and_what_it_found() {
     let folder = Folder::new("tune");
-    let scenes = ["--scene", "cornell", "--scene", "fence@0,1.5,4,0,1,-4,50"];
-    let output = tune(&folder, &[&scenes[..], &["--rounds", "1", "--target-db", "20,25,30"]].concat());
+    let scenes = ["cornell", "fence@0,1.5,4,0,1,-4,50", "spheres"];
+    let views = ["--scene", scenes[0], "--scene", scenes[1], "--unseen", scenes[2]];
+    let targets = ["--rounds", "1", "--target-db", "20,25,30", "--target-flip", "0.3,0.2,0.1"];
+    let output = tune(&folder, &[&views[..], &targets].concat());
     let stdout = text(&output.stdout);
     assert!(output.status.success() && output.stderr.is_empty(), "{}", text(&output.stderr));
-    for words in ["fast, at least 20 dB", "quality, at least 30 dB", "// balanced\nWindowed {", "geometric mean"] {
+    for words in
+        ["fast, at least 20 dB, FLIP at most 0.3", "quality, at least 30 dB", "// balanced\nWindowed {", "not seen by"]
+    {
         assert!(stdout.contains(words), "{words:?} is not in {stdout}");
     }
-    let record: Value = serde_json::from_slice(&std::fs::read(folder.0.join("out/tune.json")).unwrap()).unwrap();
+    let read = || serde_json::from_slice::<Value>(&std::fs::read(folder.0.join("out/tune.json")).unwrap()).unwrap();
+    let record = read();
     let presets = record["presets"].as_array().unwrap();
     let names: Vec<_> = presets.iter().map(|p| p["name"].as_str().unwrap()).collect();
     assert_eq!(names, ["fast", "balanced", "quality"]);
     for preset in presets {
-        let found = preset["scenes"].as_array().unwrap();
-        let product: f64 = found.iter().map(|s| s["figures"]["ratio"].as_f64().unwrap()).product();
+        let on = preset["scenes"].as_array().unwrap();
+        let product: f64 = on[..2].iter().map(|s| s["found"]["figures"]["cost"].as_f64().unwrap()).product();
         assert!((product.sqrt() - preset["mean_cost"].as_f64().unwrap()).abs() < 1e-9, "{preset:#}");
-        for (i, on) in found.iter().enumerate() {
-            assert_eq!(on["scene"], scenes[2 * i + 1]);
-            let floor = preset["task"]["floor_db"].as_f64().unwrap();
-            assert!(on["figures"]["psnr_db"].as_f64().unwrap() >= floor, "{preset:#}");
-            assert!(on["held_out"]["psnr_db"].is_f64(), "{preset:#}");
-            // What was found is among what was tried.
+        for (i, on) in on.iter().enumerate() {
+            assert_eq!((&on["scene"], &on["unseen"]), (&scenes[i].into(), &(i == 2).into()));
+            let figures = &on["found"]["figures"];
+            let (floor, most) = (preset["task"]["floor_db"].as_f64(), preset["task"]["most_flip"].as_f64());
+            let kept = figures["psnr_db"].as_f64() >= floor && figures["flip"].as_f64() <= most;
+            assert!(kept || i == 2, "{preset:#}");
+            assert!(figures["flicker"].is_f64() && on["own"]["figures"]["psnr_db"].is_f64(), "{preset:#}");
+            // What was found, and the crate's own, are among what was tried.
             let tried = record["evaluated"][i].as_array().unwrap();
-            assert!(tried.iter().any(|t| t["settings"] == preset["settings"] && t["figures"] == on["figures"]));
+            for (settings, of) in [("settings", "found"), ("own_settings", "own")] {
+                let same = |t: &Value| t["settings"] == preset[settings] && t["figures"] == on[of]["figures"];
+                assert!(tried.iter().any(same), "{of}: {preset:#}");
+            }
         }
+        // A scene that takes no part is tried with what was found and the crate's own alone.
+        assert!(record["evaluated"][2].as_array().unwrap().len() <= 6);
     }
-    // The same search again finds the same, here without what it has no need of.
-    let again = tune(&folder, &[&scenes[..], &["--rounds", "1", "--target-db", "20,25,30", "--quick"]].concat());
+    // The same search again finds the same, with or without a look at another scene.
+    let again = tune(&folder, &[&views[..4], &targets].concat());
     assert!(again.status.success(), "{}", text(&again.stderr));
-    let second: Value = serde_json::from_slice(&std::fs::read(folder.0.join("out/tune.json")).unwrap()).unwrap();
-    for (one, other) in presets.iter().zip(second["presets"].as_array().unwrap()) {
+    for (one, other) in presets.iter().zip(read()["presets"].as_array().unwrap()) {
         assert_eq!(one["settings"], other["settings"]);
-        assert!(other["scenes"][0]["held_out"].is_null());
+        assert_eq!(other["scenes"].as_array().unwrap().len(), 2);
     }
 }
 
@@ -662,7 +673,7 @@ fn thresholds_are_searched_too() {
     assert_eq!(record["technique"], "selective");
     for preset in record["presets"].as_array().unwrap() {
         let floor = preset["task"]["floor_db"].as_f64().unwrap();
-        assert!(preset["scenes"][0]["figures"]["psnr_db"].as_f64().unwrap() >= floor, "{preset:#}");
+        assert!(preset["scenes"][0]["found"]["figures"]["psnr_db"].as_f64().unwrap() >= floor, "{preset:#}");
         assert_eq!(preset["settings"]["tau_poid"], preset["settings"]["tau_soid"]);
     }
 }
@@ -683,7 +694,7 @@ fn lattices_are_searched_too() {
     assert_eq!(record["technique"], "multiresolution");
     for preset in record["presets"].as_array().unwrap() {
         let floor = preset["task"]["floor_db"].as_f64().unwrap();
-        assert!(preset["scenes"][0]["figures"]["psnr_db"].as_f64().unwrap() >= floor, "{preset:#}");
+        assert!(preset["scenes"][0]["found"]["figures"]["psnr_db"].as_f64().unwrap() >= floor, "{preset:#}");
     }
 }
 
@@ -695,7 +706,10 @@ fn searches_that_cannot_be() {
         (&["--scene", "cornel"][..], &["'cornel'", "did you mean cornell?"][..]),
         (&["--scene", "cornell@1,2,3"], &["--scene cornell@1,2,3", "x,y,z,tx,ty,tz"]),
         (&["--scene", "cornell", "--scene", "none.gltf"], &["none.gltf", "check the path"]),
+        (&["--scene", "cornell", "--unseen", "none.gltf"], &["none.gltf", "check the path"]),
         (&["--target-db", "50,40,30"], &["--target-db", "three rising dB"]),
+        (&["--target-flip", "0.1,0.2,0.3"], &["--target-flip", "three falling numbers"]),
+        (&["--target-flicker", "0.1"], &["--target-flicker", "three falling numbers"]),
         (&["--m", "1"], &["--m", "1 is not in 2 to 8"]),
         (&["--m", "9"], &["--m", "9 is not in 2 to 8"]),
         (&["--size", "5"], &["--size", "WIDTHxHEIGHT"]),

@@ -6,10 +6,10 @@ use super::output::{say, write_json};
 use crate::host::Shot;
 use crate::measure::stats::Spread;
 use crate::names::did_you_mean;
-use crate::tune::subject::{Figures, Subject, SubjectError, full};
+use crate::tune::subject::{Figures, PHASES, Subject, SubjectError, full};
 use crate::tune::tunable::Tunable;
 use crate::tune::{Point, Task, Tuner};
-use deferred_aa::{MultiResolution, Selective, Settings, Surfaces, Windowed};
+use deferred_aa::{MultiResolution, Preset, Selective, Settings, Surfaces, Windowed};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -24,6 +24,10 @@ pub struct Tune {
     /// May be repeated; all built-in scenes but flat and empty if not given.
     #[arg(long = "scene", value_name = "NAME|FILE[@CAMERA]")]
     scenes: Vec<String>,
+    /// One that takes no part in the search: what was found is measured on it, to see whether it holds elsewhere. May be
+    /// repeated.
+    #[arg(long = "unseen", value_name = "NAME|FILE[@CAMERA]")]
+    unseen: Vec<String>,
     /// Pixels, WIDTHxHEIGHT, of every scene.
     #[arg(long, default_value = "320x180", value_parser = parse_size)]
     size: (u32, u32),
@@ -33,12 +37,15 @@ pub struct Tune {
     /// The least PSNR against full supersampling, in dB, on any of the scenes: of Fast, Balanced and Quality.
     #[arg(long, default_value = "41,45.8,50", value_parser = parse_targets)]
     target_db: Targets,
+    /// The greatest mean FLIP against full supersampling on any of the scenes: three falling numbers.
+    #[arg(long, value_parser = parse_ceilings)]
+    target_flip: Option<Targets>,
+    /// The greatest flicker, the mean deviation of the error while the view moves by a pixel: three falling numbers.
+    #[arg(long, value_parser = parse_ceilings)]
+    target_flicker: Option<Targets>,
     /// Rounds of each search, at most; one tries every setting up and down.
     #[arg(long, default_value_t = 5)]
     rounds: usize,
-    /// Two rounds at most, and no search with a scene left out.
-    #[arg(long)]
-    quick: bool,
     /// Part of the adapter's name; `adapters` lists them.
     #[arg(long)]
     adapter: Option<String>,
@@ -49,7 +56,8 @@ pub struct Tune {
 
 type Targets = [f64; 3];
 
-const NAMES: [&str; 3] = ["fast", "balanced", "quality"];
+const PRESETS: [(&str, Preset); 3] =
+    [("fast", Preset::Fast), ("balanced", Preset::Balanced), ("quality", Preset::Quality)];
 
 /// Timed frames of each preset.
 const TIMED: usize = 3;
@@ -61,6 +69,15 @@ fn parse_targets(text: &str) -> Result<Targets, String> {
     targets
         .filter(rising)
         .ok_or_else(|| format!("'{text}' is no three targets: write three rising dB in 10 to 80, such as 41,46,50"))
+}
+
+fn parse_ceilings(text: &str) -> Result<Targets, String> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|n| n.trim().parse()).collect();
+    let ceilings = numbers.ok().and_then(|n| Targets::try_from(n).ok());
+    let falling = |t: &Targets| t[0] > t[1] && t[1] > t[2] && t.iter().all(|v| (1e-6..=1.0).contains(v));
+    ceilings
+        .filter(falling)
+        .ok_or_else(|| format!("'{text}' is no three ceilings: write three falling numbers up to 1, such as 0.03,0.02,0.01"))
 }
 
 fn parse_tunable(text: &str) -> Result<&'static str, String> {
@@ -82,9 +99,11 @@ struct Record<T> {
     m: u32,
     adapter: String,
     scenes: Vec<String>,
-    /// In the order of [`NAMES`]; those that are finished.
-    presets: Vec<Preset<T>>,
-    /// One list a scene: everything that was rendered on it.
+    /// That took no part in the search.
+    unseen: Vec<String>,
+    /// In the order of [`PRESETS`]; those that are finished.
+    presets: Vec<Found<T>>,
+    /// One list a scene, the unseen ones last: everything that was rendered on it.
     evaluated: Vec<Vec<Tried<T>>>,
 }
 
@@ -95,10 +114,13 @@ struct Tried<T> {
 }
 
 #[derive(Debug, Serialize)]
-struct Preset<T> {
+struct Found<T> {
     name: &'static str,
     task: Task,
     settings: T,
+    /// Those of the crate; null where it has none.
+    own_settings: Option<T>,
+    /// Over the scenes of the search.
     mean_cost: f64,
     scenes: Vec<OnScene>,
 }
@@ -106,31 +128,19 @@ struct Preset<T> {
 #[derive(Debug, Serialize)]
 struct OnScene {
     scene: String,
+    /// Whether it took no part in the search.
+    unseen: bool,
+    /// What was found.
+    found: Measured,
+    /// The crate's own preset; null where it has none.
+    own: Option<Measured>,
+}
+
+#[derive(Debug, Clone, Copy, Serialize)]
+struct Measured {
     figures: Figures,
-    /// Found by a search that never saw this scene; null where there was none.
-    held_out: Option<Figures>,
     /// GPU time of the node over that of Full, interleaved; null without timestamps.
     time_over_full: Option<Spread>,
-}
-
-impl<T: Tunable> Record<T> {
-    /// Where the next search begins: at the last preset's settings, the first at [`Tunable::START`].
-    fn start(&self) -> T {
-        self.presets.last().map_or(T::START, |p| p.settings)
-    }
-}
-
-impl<T: Tunable> Preset<T> {
-    fn new(name: &'static str, task: Task, found: &Point<T>, subjects: &[Subject<T>]) -> Self {
-        let on = |(subject, figures): (&Subject<T>, &Figures)| OnScene {
-            scene: subject.name.clone(),
-            figures: *figures,
-            held_out: None,
-            time_over_full: None,
-        };
-        let scenes = subjects.iter().zip(&found.figures).map(on).collect();
-        Self { name, task, settings: found.settings, mean_cost: found.mean_cost(), scenes }
-    }
 }
 
 impl From<SubjectError> for CommandError {
@@ -157,9 +167,10 @@ impl Tune {
         if !(2..=deferred_aa::window::MAX_M).contains(&self.m) {
             return Err(wrong(&format!("{} is not in 2 to 8", self.m)));
         }
-        let rounds = if self.quick { self.rounds.min(2) } else { self.rounds };
+        let rounds = self.rounds;
         let mut subjects = self.subjects::<T>()?;
-        let holdout = !self.quick && subjects.len() > 1;
+        // Those that the search sees come first.
+        let seen = subjects.len() - self.unseen.len();
         let (width, height) = self.size;
         let mut record = Record {
             technique: T::TECHNIQUE,
@@ -167,31 +178,27 @@ impl Tune {
             height,
             m: self.m,
             adapter: subjects.first().map_or(String::new(), Subject::adapter),
-            scenes: subjects.iter().map(|s| s.name.clone()).collect(),
+            scenes: subjects[..seen].iter().map(|s| s.name.clone()).collect(),
+            unseen: self.unseen.clone(),
             presets: Vec::new(),
             evaluated: Vec::new(),
         };
         let path = self.out.join("tune.json");
         // A folder that can't be written to is found now and not after the work.
         write_json(&path, &record)?;
-        let searches = NAMES.len() * if holdout { 1 + subjects.len() } else { 1 };
-        let bar = progress(searches * rounds);
-        for (name, floor_db) in NAMES.into_iter().zip(self.target_db) {
-            let task = Task { floor_db, rounds };
-            let found = search(&mut subjects, None, record.start(), task, &bar, name)?;
-            record.presets.push(Preset::new(name, task, &found, &subjects));
+        let bar = progress(PRESETS.len() * rounds);
+        let mut start = T::START;
+        for (i, (name, preset)) in PRESETS.into_iter().enumerate() {
+            let most = |targets: Option<Targets>| targets.map(|t| t[i]);
+            let [most_flip, most_flicker] = [self.target_flip, self.target_flicker].map(most);
+            let task = Task { floor_db: self.target_db[i], most_flip, most_flicker, rounds };
+            bar.set_message(name);
+            let point = Tuner { subjects: &mut subjects[..seen] }.search(start, &task, |_| bar.inc(1))?;
+            // The next search begins where this one ended.
+            start = point.settings;
+            record.presets.push(Found::new(name, task, &point, T::own(preset), (&mut subjects, seen))?);
             record.evaluated = evaluated(&subjects);
             write_json(&path, &record)?;
-        }
-        if holdout {
-            let mut start = T::START;
-            for i in 0..record.presets.len() {
-                let preset = &mut record.presets[i];
-                hold_out(&mut subjects, preset, start, &bar)?;
-                start = preset.settings;
-                record.evaluated = evaluated(&subjects);
-                write_json(&path, &record)?;
-            }
         }
         bar.finish_and_clear();
         measure_times(&mut subjects, &mut record.presets)?;
@@ -203,7 +210,8 @@ impl Tune {
 
     fn subjects<T: Tunable>(&self) -> Result<Vec<Subject<T>>, CommandError> {
         let builtin = ["atrium", "fence", "checker", "spheres", "cornell"].map(str::to_owned).to_vec();
-        let specs = if self.scenes.is_empty() { builtin } else { self.scenes.clone() };
+        let mut specs = if self.scenes.is_empty() { builtin } else { self.scenes.clone() };
+        specs.extend(self.unseen.iter().cloned());
         let views: Vec<_> = specs.iter().map(|s| self.view(s)).collect::<Result<_, _>>()?;
         // All scenes are opened before the first frame is rendered.
         let opened: Vec<_> = views.iter().map(|view| view.open(&Settings::default())).collect::<Result<_, _>>()?;
@@ -245,34 +253,25 @@ fn progress(rounds: usize) -> ProgressBar {
     ProgressBar::new(rounds as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
-fn search<T: Tunable>(
-    subjects: &mut [Subject<T>],
-    held_out: Option<usize>,
-    start: T,
-    task: Task,
-    bar: &ProgressBar,
-    preset: &str,
-) -> Result<Point<T>, SubjectError> {
-    let without = held_out.map_or(String::new(), |i| format!(" without {}", subjects[i].name));
-    bar.set_message(format!("{preset}{without}"));
-    Tuner { subjects, held_out }.search(start, task, |_| bar.inc(1))
-}
-
-/// Searches again without each scene in turn, and tries on it what was found without it.
-fn hold_out<T: Tunable>(
-    subjects: &mut [Subject<T>],
-    preset: &mut Preset<T>,
-    start: T,
-    bar: &ProgressBar,
-) -> Result<(), SubjectError> {
-    for i in 0..subjects.len() {
-        let blind = search(subjects, Some(i), start, preset.task, bar, preset.name)?;
-        let figures = subjects[i].figures(blind.settings)?;
-        if let Some(scene) = preset.scenes.get_mut(i) {
-            scene.held_out = Some(figures);
-        }
+impl<T: Tunable> Found<T> {
+    /// Tries what was found, and the crate's own, on all scenes.
+    fn new(
+        name: &'static str,
+        task: Task,
+        point: &Point<T>,
+        own_settings: Option<T>,
+        (subjects, seen): (&mut [Subject<T>], usize),
+    ) -> Result<Self, SubjectError> {
+        let settings = point.settings;
+        let on = |(i, subject): (usize, &mut Subject<T>)| {
+            let mut measured =
+                |settings| Ok::<_, SubjectError>(Measured { figures: subject.figures(settings)?, time_over_full: None });
+            let (found, own) = (measured(settings)?, own_settings.map(measured).transpose()?);
+            Ok::<_, SubjectError>(OnScene { scene: subject.name.clone(), unseen: i >= seen, found, own })
+        };
+        let scenes = subjects.iter_mut().enumerate().map(on).collect::<Result<_, _>>()?;
+        Ok(Self { name, task, settings, own_settings, mean_cost: point.mean_cost(), scenes })
     }
-    Ok(())
 }
 
 fn evaluated<T: Tunable>(subjects: &[Subject<T>]) -> Vec<Vec<Tried<T>>> {
@@ -286,21 +285,27 @@ fn node_ms(shot: &Shot) -> Option<f64> {
 }
 
 /// Full and the presets in turn, after one frame that warms up.
-fn measure_times<T: Tunable>(subjects: &mut [Subject<T>], presets: &mut [Preset<T>]) -> Result<(), SubjectError> {
+fn measure_times<T: Tunable>(subjects: &mut [Subject<T>], presets: &mut [Found<T>]) -> Result<(), SubjectError> {
     for (i, subject) in subjects.iter_mut().enumerate() {
-        let mut ratios = vec![Vec::new(); presets.len()];
-        for round in 0..=TIMED {
-            let reference = node_ms(&subject.shot(full())?);
-            for (preset, ratios) in presets.iter().zip(&mut ratios) {
-                let own = node_ms(&subject.shot(preset.settings.settings())?);
-                if let (Some(own), Some(reference), true) = (own, reference, round > 0) {
-                    ratios.push(own / reference);
-                }
+        for preset in &mut *presets {
+            let (mut found, mut own) = (Vec::new(), Vec::new());
+            for round in 0..=TIMED {
+                let full = node_ms(&subject.shot(full())?);
+                let mut time = |settings: T, ratios: &mut Vec<f64>| {
+                    let node = node_ms(&subject.shot(settings.settings())?);
+                    if let (Some(node), Some(full), true) = (node, full, round > 0) {
+                        ratios.push(node / full);
+                    }
+                    Ok::<_, SubjectError>(())
+                };
+                time(preset.settings, &mut found)?;
+                preset.own_settings.map(|settings| time(settings, &mut own)).transpose()?;
             }
-        }
-        for (preset, ratios) in presets.iter_mut().zip(ratios) {
             if let Some(scene) = preset.scenes.get_mut(i) {
-                scene.time_over_full = Spread::of(ratios);
+                scene.found.time_over_full = Spread::of(found);
+                if let Some(measured) = &mut scene.own {
+                    measured.time_over_full = Spread::of(own);
+                }
             }
         }
     }
@@ -309,35 +314,69 @@ fn measure_times<T: Tunable>(subjects: &mut [Subject<T>], presets: &mut [Preset<
 
 fn summary<T: Tunable>(record: &Record<T>, path: &Path) -> String {
     let Record { technique, width, height, m, adapter, .. } = record;
-    let count = |s: &Vec<Tried<T>>| s.len();
-    let frames: usize = record.evaluated.iter().map(count).sum();
+    let frames = record.evaluated.iter().map(Vec::len).sum::<usize>() * PHASES as usize;
     let mut text = format!("{technique}, {width}×{height}, m = {m}, {adapter}: {frames} frames tried\n");
     for preset in &record.presets {
-        text += &format!(
-            "\n{}, at least {} dB\n{:<34}{:>8}{:>10}{:>10}{:>8}{:>22}\n",
-            preset.name, preset.task.floor_db, "", "samples", "PSNR", "edges", "time", "without the scene"
-        );
-        for scene in &preset.scenes {
-            let f = &scene.figures;
-            let name: String = scene.scene.chars().rev().take(32).collect::<Vec<_>>().into_iter().rev().collect();
-            let time = scene.time_over_full.map_or("-".to_owned(), |t| format!("{:.1}%", t.median * 100.0));
-            let blind =
-                scene.held_out.map_or("-".to_owned(), |f| format!("{:.1}% {:.1} dB", f.ratio * 100.0, f.psnr_db));
-            text += &format!("{name:<34}{:>7.1}%{:>7.1} dB{:>7.1} dB", f.ratio * 100.0, f.psnr_db, f.edge_psnr_db);
-            text += &format!("{time:>8}{blind:>22}\n");
+        let Task { floor_db, most_flip, most_flicker, .. } = preset.task;
+        text += &format!("\n{}, at least {floor_db} dB", preset.name);
+        for (what, most) in [("FLIP", most_flip), ("flicker", most_flicker)] {
+            text += &most.map_or(String::new(), |most| format!(", {what} at most {most}"));
         }
-        text += &format!("{:<34}{:>7.1}%\n", "geometric mean", preset.mean_cost * 100.0);
+        let head = format!("{:>8}{:>7}{:>7}{:>8}{:>9}{:>7}", "cost", "dB", "edges", "FLIP", "flicker", "time");
+        text += &format!("\n{:<26}{head}   the crate's{}\n", "", &head[13..]);
+        for unseen in [false, true] {
+            let scenes: Vec<_> = preset.scenes.iter().filter(|s| s.unseen == unseen).collect();
+            if unseen && !scenes.is_empty() {
+                text += "not seen by the search\n";
+            }
+            for scene in &scenes {
+                let own = scene.own.map_or(String::new(), |own| own.row());
+                text += &format!("{:<26}{}   {own}\n", end_of(&scene.scene, 25), scene.found.row());
+            }
+            if !scenes.is_empty() {
+                let own: Option<Vec<_>> = scenes.iter().map(|s| s.own.map(|m| m.figures)).collect();
+                let found = scenes.iter().map(|s| s.found.figures).collect();
+                let own = own.map_or(String::new(), |own| format!("{:43}{:>7.2}%", "", 100.0 * geometric_mean(own)));
+                text += &format!("{:<26}{:>7.2}%{own}\n", "geometric mean", 100.0 * geometric_mean(found));
+            }
+        }
     }
-    text += "\nsamples, time: over those of Full. PSNR, edges: against Full. Geometric mean: of what was kept low\n";
+    text += "\ncost: samples over those of Full, or lights and reads of materials; dB, edges, FLIP: against Full; flicker: \
+             deviation of that error over a pixel's way; time: of the node over Full's\n";
     for preset in &record.presets {
         text += &format!("\n// {}\n{}\n", preset.name, preset.settings.source());
     }
     text + &path.display().to_string()
 }
 
+/// The last characters, which tell paths apart.
+fn end_of(name: &str, most: usize) -> String {
+    name.chars().skip(name.chars().count().saturating_sub(most)).collect()
+}
+
+fn geometric_mean(figures: Vec<Figures>) -> f64 {
+    Point { settings: (), figures }.mean_cost()
+}
+
+impl Measured {
+    fn row(&self) -> String {
+        let Figures { cost, psnr_db, edge_psnr_db, flip, flicker, .. } = self.figures;
+        let time = self.time_over_full.map_or("-".to_owned(), |t| format!("{:.0}%", t.median * 100.0));
+        format!("{:>7.2}%{psnr_db:>7.1}{edge_psnr_db:>7.1}{flip:>8.4}{flicker:>9.4}{time:>7}", cost * 100.0)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn ceilings_fall() {
+        assert_eq!(parse_ceilings("0.03, 0.02,0.01"), Ok([0.03, 0.02, 0.01]));
+        for bad in ["", "0.03", "0.01,0.02,0.03", "0.02,0.02,0.01", "2,1,0.5", "0.1,0.01,0", "nan,0.1,0.01"] {
+            assert!(parse_ceilings(bad).unwrap_err().contains("three falling numbers"), "{bad}");
+        }
+    }
 
     #[test]
     fn targets_rise() {

@@ -29,8 +29,22 @@ const LN_RATIO_PER_DB: f64 = 0.09;
 pub struct Task {
     /// The least PSNR against full supersampling on any view, in dB.
     pub floor_db: f64,
+    /// The greatest mean FLIP against it on any view; null where that is not asked for.
+    pub most_flip: Option<f64>,
+    /// The greatest mean deviation of the error over the frames of any view; null where that is not asked for.
+    pub most_flicker: Option<f64>,
     /// At most.
     pub rounds: usize,
+}
+
+impl Task {
+    /// By how much a view keeps what is asked for, in dB; below 0 where it does not.
+    pub fn spare_db(&self, f: &Figures) -> f64 {
+        // As PSNR does, FLIP and flicker go about with the error, not with its square.
+        let below = |most: Option<f64>, is: f64| most.map_or(f64::INFINITY, |most| 20.0 * (most / is).log10());
+        let db = f.psnr_db.min(f.edge_psnr_db - EDGE_MARGIN_DB) - self.floor_db;
+        db.min(below(self.most_flip, f.flip)).min(below(self.most_flicker, f.flicker))
+    }
 }
 
 /// Settings on all views.
@@ -43,10 +57,9 @@ pub struct Point<T> {
 }
 
 impl<T> Point<T> {
-    /// By how much the worst view is above the floor, in dB.
-    fn spare_db(&self, floor_db: f64) -> f64 {
-        let spare = |f: &Figures| f.psnr_db.min(f.edge_psnr_db - EDGE_MARGIN_DB) - floor_db;
-        self.figures.iter().map(spare).fold(f64::INFINITY, f64::min)
+    /// By how much the worst view keeps what is asked for, in dB.
+    fn spare_db(&self, task: &Task) -> f64 {
+        self.figures.iter().map(|f| task.spare_db(f)).fold(f64::INFINITY, f64::min)
     }
 
     /// The mean over the views of the logarithm of the cost, so that a view with few samples counts as much.
@@ -80,24 +93,20 @@ fn stepped<T: Tunable>(settings: &T, more: bool) -> T {
 pub struct Tuner<'a, T> {
     /// The views.
     pub subjects: &'a mut [Subject<T>],
-    /// The one that is left out.
-    pub held_out: Option<usize>,
 }
 
 impl<T: Tunable> Tuner<'_, T> {
-    /// Tries settings on all views but the one that is left out.
+    /// Tries settings on all views.
     pub fn point(&mut self, settings: T) -> Result<Point<T>, SubjectError> {
-        let held_out = self.held_out;
-        let kept = self.subjects.iter_mut().enumerate().filter(|(i, _)| Some(*i) != held_out);
-        let figures = kept.map(|(_, subject)| subject.figures(settings)).collect::<Result<_, _>>()?;
+        let figures = self.subjects.iter_mut().map(|subject| subject.figures(settings)).collect::<Result<_, _>>()?;
         Ok(Point { settings, figures })
     }
 
     /// The point with the dial such that the worst view is next to the floor, after a few tries.
-    fn near_floor(&mut self, mut settings: T, floor_db: f64, tries: usize) -> Result<Point<T>, SubjectError> {
+    fn near_floor(&mut self, mut settings: T, task: &Task, tries: usize) -> Result<Point<T>, SubjectError> {
         let mut point = self.point(settings)?;
         for _ in 0..tries {
-            let spare = point.spare_db(floor_db);
+            let spare = point.spare_db(task);
             let dial = turned(&settings, (-spare / DB_PER_OCTAVE).clamp(-1.0, 1.0).exp2());
             if spare.abs() < CLOSE_DB || dial == settings.dial() {
                 break;
@@ -105,7 +114,7 @@ impl<T: Tunable> Tuner<'_, T> {
             settings = settings.with_dial(dial);
             let next = self.point(settings)?;
             // Other settings may hold the picture back: more samples by the dial would be for nothing.
-            let gained = next.spare_db(floor_db) - spare;
+            let gained = next.spare_db(task) - spare;
             if spare < 0.0 && gained < 0.02 {
                 break;
             }
@@ -115,9 +124,9 @@ impl<T: Tunable> Tuner<'_, T> {
     }
 
     /// The cost of settings: ln of the samples that they would need at the floor.
-    fn cost(&mut self, settings: T, floor_db: f64) -> Result<(f64, Point<T>), SubjectError> {
-        let point = self.near_floor(settings, floor_db, 3)?;
-        let spare = point.spare_db(floor_db);
+    fn cost(&mut self, settings: T, task: &Task) -> Result<(f64, Point<T>), SubjectError> {
+        let point = self.near_floor(settings, task, 3)?;
+        let spare = point.spare_db(task);
         // Below the floor a dB is dear, above it cheap: what can't reach the floor must not win.
         let rate = if spare < -CLOSE_DB { 3.0 * LN_RATIO_PER_DB } else { LN_RATIO_PER_DB };
         Ok((point.ln_cost() - rate * spare.min(1.0), point))
@@ -127,20 +136,20 @@ impl<T: Tunable> Tuner<'_, T> {
     pub fn search(
         &mut self,
         start: T,
-        task: Task,
+        task: &Task,
         mut after_round: impl FnMut(&Found),
     ) -> Result<Point<T>, SubjectError> {
         let mut starts = Vec::new();
         for far in start.starts() {
-            let near = self.near_floor(far, task.floor_db, 8)?.settings;
-            starts.push(self.cost(near, task.floor_db)?);
+            let near = self.near_floor(far, task, 8)?.settings;
+            starts.push(self.cost(near, task)?);
         }
         let start = starts.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map_or(start, |(_, point)| point.settings);
         // The dial found last is where the next point starts, so that few tries are needed.
         let mut base = start;
         let mut best = f64::INFINITY;
         let cost = |p: &[f64]| {
-            let (cost, point) = self.cost(base.with_values(p), task.floor_db)?;
+            let (cost, point) = self.cost(base.with_values(p), task)?;
             if cost < best {
                 (best, base) = (cost, point.settings);
             }
@@ -149,19 +158,19 @@ impl<T: Tunable> Tuner<'_, T> {
         let found = pattern_search(T::AXES, &values(&start), 1.0, task.rounds, cost, &mut after_round)?;
         base = base.with_values(&found.point);
         for flipped in base.variants() {
-            let (cost, point) = self.cost(flipped, task.floor_db)?;
+            let (cost, point) = self.cost(flipped, task)?;
             if cost < best {
                 (best, base) = (cost, point.settings);
             }
         }
-        self.above_floor(base, task.floor_db)
+        self.above_floor(base, task)
     }
 
     /// The dial of two digits with the fewest samples whose worst view is not below the floor, if any is.
-    fn above_floor(&mut self, settings: T, floor_db: f64) -> Result<Point<T>, SubjectError> {
-        let mut point = self.near_floor(settings, floor_db, 8)?;
+    fn above_floor(&mut self, settings: T, task: &Task) -> Result<Point<T>, SubjectError> {
+        let mut point = self.near_floor(settings, task, 8)?;
         let mut upwards = 0;
-        while point.spare_db(floor_db) < 0.0 && upwards < 8 {
+        while point.spare_db(task) < 0.0 && upwards < 8 {
             point = self.point(stepped(&point.settings, true))?;
             upwards += 1;
         }
@@ -170,7 +179,7 @@ impl<T: Tunable> Tuner<'_, T> {
         }
         loop {
             let lower = self.point(stepped(&point.settings, false))?;
-            if lower.spare_db(floor_db) < 0.0 || lower.settings == point.settings {
+            if lower.spare_db(task) < 0.0 || lower.settings == point.settings {
                 return Ok(point);
             }
             point = lower;
@@ -184,15 +193,23 @@ mod tests {
     use deferred_aa::{Selective, Windowed};
 
     fn point(figures: &[(f64, f64, f64)]) -> Point<()> {
-        let figure = |&(ratio, psnr_db, edge_psnr_db)| Figures { ratio, cost: ratio, psnr_db, edge_psnr_db };
+        let figure = |&(ratio, psnr_db, edge_psnr_db)| {
+            let (flip, flicker) = (0.02, 0.01);
+            Figures { ratio, cost: ratio, psnr_db, edge_psnr_db, flip, flicker }
+        };
         Point { settings: (), figures: figures.iter().map(figure).collect() }
     }
 
     #[test]
     fn the_worst_view_decides_what_is_spare() {
-        assert_eq!(point(&[(0.2, 46.0, 60.0), (0.3, 43.0, 60.0)]).spare_db(44.0), -1.0);
+        let task = Task { floor_db: 44.0, most_flip: None, most_flicker: None, rounds: 1 };
+        assert_eq!(point(&[(0.2, 46.0, 60.0), (0.3, 43.0, 60.0)]).spare_db(&task), -1.0);
         // Edges count, at their margin.
-        assert_eq!(point(&[(0.2, 46.0, 45.0)]).spare_db(44.0), 1.0 - EDGE_MARGIN_DB);
+        assert_eq!(point(&[(0.2, 46.0, 45.0)]).spare_db(&task), 1.0 - EDGE_MARGIN_DB);
+        // So do FLIP and flicker where they are asked for: half of what may be is 6 dB to spare.
+        let close = |task: Task, db: f64| (point(&[(0.2, 90.0, 90.0)]).spare_db(&task) - db).abs() < 0.05;
+        assert!(close(Task { most_flip: Some(0.04), ..task }, 6.0));
+        assert!(close(Task { most_flip: Some(0.04), most_flicker: Some(0.005), ..task }, -6.0));
     }
 
     #[test]

@@ -3,22 +3,31 @@
 use super::tunable::Tunable;
 use crate::host::{Host, HostError, Shot};
 use crate::measure::quality::{self, QualityError};
+use crate::measure::temporal::{self, FRAMES, Flicker, FrameErrors, Motion};
 use crate::picture::Picture;
 use crate::scene::Camera;
 use deferred_aa::{Settings, Technique};
 use serde::Serialize;
 
-/// What settings give on a view, against full supersampling at the same m.
+/// Frames of a view, which moves by a part of a pixel from one to the next: settings that suit one sampling grid alone
+/// don't win, and what flickers is seen.
+pub const PHASES: u32 = 4;
+
+/// What settings give on a view, against full supersampling at the same m, over [`PHASES`] frames.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Figures {
     /// Shaded samples over n · w · h.
     pub ratio: f64,
     /// What the search keeps low: that ratio, or that of lights and material reads where they are apart.
     pub cost: f64,
-    /// Over all pixels.
+    /// Over all pixels of all frames.
     pub psnr_db: f64,
     /// Over the pixels whose window holds an edge; that of all pixels where none does.
     pub edge_psnr_db: f64,
+    /// Mean FLIP.
+    pub flip: f64,
+    /// Mean standard deviation of the error over the frames, of displayed values in 0 to 1.
+    pub flicker: f64,
 }
 
 /// A view could not be measured.
@@ -32,7 +41,7 @@ pub enum SubjectError {
     Quality(#[from] QualityError),
 }
 
-/// A view, its host kept open, its reference, and all that was tried on it.
+/// A view, its host kept open, its references, and all that was tried on it.
 #[derive(Debug)]
 pub struct Subject<T> {
     /// As given on the command line.
@@ -40,7 +49,13 @@ pub struct Subject<T> {
     /// Every point with what it gave, in the order of trial.
     pub tried: Vec<(T, Figures)>,
     host: Host,
-    camera: Camera,
+    phases: Vec<Phase>,
+}
+
+/// A frame of the view by full supersampling.
+#[derive(Debug)]
+struct Phase {
+    camera: deferred_aa::Camera,
     reference: Picture,
     edges: Vec<bool>,
 }
@@ -51,11 +66,16 @@ pub fn full() -> Settings {
 }
 
 impl<T: Tunable> Subject<T> {
-    /// Renders the reference.
-    pub fn new(name: String, mut host: Host, camera: Camera) -> Result<Self, SubjectError> {
-        host.frame(&camera, full())?;
-        let (reference, edges) = (host.picture(), host.edge_mask());
-        Ok(Self { name, tried: Vec::new(), host, camera, reference, edges })
+    /// Renders the references.
+    pub fn new(name: String, mut host: Host, view: Camera) -> Result<Self, SubjectError> {
+        let (width, height) = (host.options.width, host.options.height);
+        let phase = |i| {
+            let camera = temporal::camera(Motion::Pan, &view, i * FRAMES / PHASES, width, height);
+            host.frame_with(camera, full())?;
+            Ok::<_, SubjectError>(Phase { camera, reference: host.picture(), edges: host.edge_mask() })
+        };
+        let phases = (0..PHASES).map(phase).collect::<Result<_, _>>()?;
+        Ok(Self { name, tried: Vec::new(), host, phases })
     }
 
     /// The figures of these settings; what was tried before is not rendered again.
@@ -63,18 +83,36 @@ impl<T: Tunable> Subject<T> {
         if let Some((_, figures)) = self.tried.iter().find(|(tried, _)| *tried == settings) {
             return Ok(*figures);
         }
-        let shot = self.host.shade_again(&self.camera, settings.settings())?;
-        let image = self.host.picture();
-        let psnr_db = quality::psnr(&image, &self.reference)?;
-        let edge_psnr_db = quality::edge_psnr(&image, &self.reference, &self.edges)?.unwrap_or(psnr_db);
-        let figures = Figures { ratio: shot.statistics.ratio, cost: T::cost(&shot.statistics), psnr_db, edge_psnr_db };
+        let mut sums = [0.0; 3];
+        let (mut errors, mut at_edges) = (Vec::new(), Vec::new());
+        let mut flicker = None;
+        for Phase { camera, reference, edges } in &self.phases {
+            let shot = self.host.frame_with(*camera, settings.settings())?;
+            let image = self.host.picture();
+            let of_frame = [shot.statistics.ratio, T::cost(&shot.statistics), quality::flip(&image, reference)?.mean];
+            sums = std::array::from_fn(|i| sums[i] + of_frame[i] / f64::from(PHASES));
+            errors.push(quality::psnr(&image, reference)?);
+            at_edges.extend(quality::edge_psnr(&image, reference, edges)?);
+            flicker.get_or_insert_with(|| Flicker::new(image.rgba.len())).push(&image, reference)?;
+        }
+        let pooled = |frames: &[f64]| FrameErrors::of(frames).map(|e| e.psnr_db);
+        let psnr_db = pooled(&errors).unwrap_or(quality::IDENTICAL_DB);
+        let [ratio, cost, flip] = sums;
+        let figures = Figures {
+            ratio,
+            cost,
+            psnr_db,
+            edge_psnr_db: pooled(&at_edges).unwrap_or(psnr_db),
+            flip,
+            flicker: flicker.and_then(Flicker::finish).map_or(0.0, |d| d.mean),
+        };
         self.tried.push((settings, figures));
         Ok(figures)
     }
 
     /// A frame with its times.
     pub fn shot(&mut self, settings: Settings) -> Result<Shot, SubjectError> {
-        Ok(self.host.shade_again(&self.camera, settings)?)
+        Ok(self.host.frame_with(self.phases[0].camera, settings)?)
     }
 
     /// The graphics adapter.

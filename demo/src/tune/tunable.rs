@@ -2,7 +2,7 @@
 
 use super::search::{Axis, two_digits};
 use deferred_aa::{
-    DepthMeasure, Lattice, LuminanceCurve, MultiResolution, Pattern, Selective, Settings, Statistics, Surfaces,
+    DepthMeasure, Lattice, LuminanceCurve, MultiResolution, Pattern, Preset, Selective, Settings, Statistics, Surfaces,
     Technique, Windowed,
 };
 use serde::Serialize;
@@ -22,6 +22,8 @@ pub trait Tunable: Copy + PartialEq + Debug + Serialize + 'static {
     /// Where the first search begins, whatever the presets are by now, so that it finds them again.
     const START: Self;
 
+    /// Those of the crate, where it has them.
+    fn own(preset: Preset) -> Option<Self>;
     /// That try these.
     fn settings(self) -> Settings;
     /// Of the axes, unrounded.
@@ -88,6 +90,10 @@ impl Tunable for Windowed {
         tile_limit: Self::NO_TILE_LIMIT,
     };
 
+    fn own(preset: Preset) -> Option<Self> {
+        Some(preset.windowed())
+    }
+
     fn settings(self) -> Settings {
         Settings { technique: Technique::Windowed, windowed: self, ..Default::default() }
     }
@@ -123,8 +129,9 @@ impl Tunable for Windowed {
 
     fn variants(self) -> Vec<Self> {
         let samples = [0.0, 2.0, 4.0, 8.0].map(|identity_samples| Self { identity_samples, ..self });
+        let reaches = [0, 1, 2, 3].map(|shadow_reach| Self { shadow_reach, ..self });
         let centre = Self { luminance_centre: !self.luminance_centre, ..self };
-        samples.into_iter().chain([centre]).filter(|v| *v != self).collect()
+        samples.into_iter().chain(reaches).chain([centre]).filter(|v| *v != self).collect()
     }
 
     fn source(&self) -> String {
@@ -170,6 +177,10 @@ impl Tunable for Selective {
         edge_aware_first: true,
         ..Self::PAPER
     };
+
+    fn own(preset: Preset) -> Option<Self> {
+        (preset == Preset::default()).then(Self::default)
+    }
 
     fn settings(self) -> Settings {
         Settings { technique: Technique::Selective, selective: self, ..Default::default() }
@@ -243,6 +254,10 @@ impl Tunable for MultiResolution {
         weighted: false,
         footprint: 0.5,
     };
+
+    fn own(preset: Preset) -> Option<Self> {
+        (preset == Preset::default()).then(Self::default)
+    }
 
     fn settings(self) -> Settings {
         Settings { technique: Technique::MultiResolution, multi_resolution: self, ..Default::default() }
@@ -320,6 +335,10 @@ impl Tunable for Surfaces {
         footprint: 0.5,
     };
 
+    fn own(preset: Preset) -> Option<Self> {
+        Some(preset.surfaces())
+    }
+
     fn settings(self) -> Settings {
         Settings { technique: Technique::Surfaces, surfaces: self, ..Default::default() }
     }
@@ -353,7 +372,8 @@ impl Tunable for Surfaces {
         let taps = [2, 4, 8].map(|first_taps| Self { first_taps, ..self });
         let cosines = [0.9, 0.95, 0.98].map(|normal_cosine| Self { normal_cosine, ..self });
         let groups = [4, 8].map(|groups| Self { groups, ..self });
-        taps.into_iter().chain(cosines).chain(groups).filter(|v| *v != self).collect()
+        let reaches = [1, 2, 3].map(|shadow_reach| Self { shadow_reach, ..self });
+        taps.into_iter().chain(cosines).chain(groups).chain(reaches).filter(|v| *v != self).collect()
     }
 
     fn cost(statistics: &Statistics) -> f64 {
@@ -410,10 +430,10 @@ mod tests {
 
     #[test]
     fn every_variant_is_sound_and_another() {
-        differ_by_one_choice(Windowed::default(), 4);
+        differ_by_one_choice(Windowed::default(), 7);
         differ_by_one_choice(Selective::default(), 4);
         differ_by_one_choice(MultiResolution::default(), 10);
-        differ_by_one_choice(Surfaces::default(), 5);
+        differ_by_one_choice(Surfaces::default(), 7);
     }
 
     #[test]
