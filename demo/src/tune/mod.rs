@@ -25,27 +25,64 @@ const DB_PER_OCTAVE: f64 = 3.0;
 const LN_RATIO_PER_DB: f64 = 0.09;
 
 /// What the search is for, and how long it may go on.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Task {
-    /// The least PSNR against full supersampling on any view, in dB.
-    pub floor_db: f64,
-    /// The greatest mean FLIP against it on any view; null where that is not asked for.
-    pub most_flip: Option<f64>,
-    /// The greatest mean deviation of the error over the frames of any view; null where that is not asked for.
-    pub most_flicker: Option<f64>,
+    /// What settings must reach.
+    pub floor: Floor,
     /// At most.
     pub rounds: usize,
 }
 
-impl Task {
-    /// By how much a view keeps what is asked for, in dB; below 0 where it does not.
-    pub fn spare_db(&self, f: &Figures) -> f64 {
-        // As PSNR does, FLIP and flicker go about with the error, not with its square.
-        let below = |most: Option<f64>, is: f64| most.map_or(f64::INFINITY, |most| 20.0 * (most / is).log10());
-        let db = f.psnr_db.min(f.edge_psnr_db - EDGE_MARGIN_DB) - self.floor_db;
-        db.min(below(self.most_flip, f.flip)).min(below(self.most_flicker, f.flicker))
+/// What settings must reach.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Floor {
+    /// The least PSNR against full supersampling on any view, in dB.
+    Db(f64),
+    /// What other settings give on the same views: in the mean over them no worse in PSNR, at edges, in FLIP and in
+    /// flicker, and on none worse by more than [`WORST_DB`].
+    Like(Vec<Figures>),
+}
+
+/// What a view may lose in dB where others gain it.
+pub const WORST_DB: f64 = 1.5;
+
+impl Floor {
+    /// By how much figures are above it, in dB.
+    fn spare_db(&self, figures: &[Figures]) -> f64 {
+        match self {
+            Self::Db(floor) => {
+                let spare = |f: &Figures| f.psnr_db.min(f.edge_psnr_db - EDGE_MARGIN_DB) - floor;
+                figures.iter().map(spare).fold(f64::INFINITY, f64::min)
+            }
+            Self::Like(others) => {
+                let gains: Vec<_> = figures.iter().zip(others).map(|(f, other)| gains(f, other)).collect();
+                let worst = gains.iter().flatten().copied().fold(f64::INFINITY, f64::min);
+                let mean = |i: usize| gains.iter().map(|gain| gain[i]).sum::<f64>() / gains.len().max(1) as f64;
+                (0..MEASURES).map(mean).fold(worst + WORST_DB, f64::min)
+            }
+        }
     }
 }
+
+const MEASURES: usize = 4;
+
+/// How much better figures are than others, in dB: PSNR, edges, FLIP, flicker. What is better by more than
+/// [`WORST_DB`] counts as that, so that one view can't pay for many.
+fn gains(figures: &Figures, other: &Figures) -> [f64; MEASURES] {
+    // FLIP and flicker go about with the error, as PSNR does; what none can see is no difference.
+    let below = |is: f64, other: f64| 20.0 * (other.max(UNSEEN) / is.max(UNSEEN)).log10();
+    [
+        figures.psnr_db - other.psnr_db,
+        figures.edge_psnr_db - other.edge_psnr_db,
+        below(figures.flip, other.flip),
+        below(figures.flicker, other.flicker),
+    ]
+    .map(|gain| gain.min(WORST_DB))
+}
+
+/// A tenth of a step of eight bits.
+const UNSEEN: f64 = 0.1 / 255.0;
 
 /// Settings on all views.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -57,9 +94,9 @@ pub struct Point<T> {
 }
 
 impl<T> Point<T> {
-    /// By how much the worst view keeps what is asked for, in dB.
+    /// By how much it is above the floor, in dB.
     fn spare_db(&self, task: &Task) -> f64 {
-        self.figures.iter().map(|f| task.spare_db(f)).fold(f64::INFINITY, f64::min)
+        task.floor.spare_db(&self.figures)
     }
 
     /// The mean over the views of the logarithm of the cost, so that a view with few samples counts as much.
@@ -202,14 +239,31 @@ mod tests {
 
     #[test]
     fn the_worst_view_decides_what_is_spare() {
-        let task = Task { floor_db: 44.0, most_flip: None, most_flicker: None, rounds: 1 };
+        let task = Task { floor: Floor::Db(44.0), rounds: 1 };
         assert_eq!(point(&[(0.2, 46.0, 60.0), (0.3, 43.0, 60.0)]).spare_db(&task), -1.0);
         // Edges count, at their margin.
         assert_eq!(point(&[(0.2, 46.0, 45.0)]).spare_db(&task), 1.0 - EDGE_MARGIN_DB);
-        // So do FLIP and flicker where they are asked for: half of what may be is 6 dB to spare.
-        let close = |task: Task, db: f64| (point(&[(0.2, 90.0, 90.0)]).spare_db(&task) - db).abs() < 0.05;
-        assert!(close(Task { most_flip: Some(0.04), ..task }, 6.0));
-        assert!(close(Task { most_flip: Some(0.04), most_flicker: Some(0.005), ..task }, -6.0));
+    }
+
+    #[test]
+    fn settings_are_held_against_others_in_the_mean() {
+        let other = point(&[(0.2, 50.0, 45.0), (0.2, 40.0, 35.0)]).figures;
+        let spare = |change: fn(&mut [Figures])| {
+            let mut figures = other.clone();
+            change(&mut figures);
+            (Floor::Like(other.clone()).spare_db(&figures) * 1e3).round() / 1e3
+        };
+        assert_eq!(spare(|_| ()), 0.0);
+        assert_eq!(spare(|f| f.iter_mut().for_each(|f| f.psnr_db += 1.0)), 0.0, "edges are no better");
+        // The measure that has lost the most in the mean decides.
+        assert_eq!(spare(|f| f[0].psnr_db -= 1.0), -0.5);
+        assert_eq!(spare(|f| f[1].edge_psnr_db -= 0.6), -0.3);
+        assert_eq!(spare(|f| f[0].flip *= 10f64.powf(0.05)), -0.5);
+        assert_eq!(spare(|f| f[0].flicker *= 10f64.powf(0.05)), -0.5);
+        // A view may lose what another one gains, up to a bound on both.
+        assert_eq!(spare(|f| (f[0].psnr_db, f[1].psnr_db) = (f[0].psnr_db - 1.4, 90.0)), 0.0);
+        assert_eq!(spare(|f| (f[0].psnr_db, f[1].psnr_db) = (f[0].psnr_db - 2.5, 90.0)), -1.0);
+        assert_eq!(spare(|f| f[0].flicker = 0.0), 0.0);
     }
 
     #[test]
