@@ -97,15 +97,24 @@ impl World {
             let told = format!("{:?}, {ray:?}: {hit:?}, any {any:?}", tracer.tier);
             assert!(hit.instance != MISS || hit.t == ray.t_max, "{told}");
             assert!(
-                self.explains(&mut random, ray, hit, if is_query { 256.0 } else { 16.0 })
+                self.explains(&mut random, ray, hit, if is_query { (256.0, 4.0) } else { (16.0, 1.0) })
                     || is_query && twin::margin(&wide(ray), &self.triangles) < 1e-4,
-                "{told}, twin {:?}",
-                twin::closest(&wide(ray), &self.triangles)
+                "{told}, twin {}",
+                self.twins(ray)
             );
             assert!(hit.instance == any.instance || self.is_torn(&mut random, ray, hit, any), "{told}");
         }
         assert_eq!(tracer.gpu.take_errors(), Vec::<String>::new());
         rays.len() as u64
+    }
+
+    /// What the twin says of a ray, with how high the triangle looks, in roundings.
+    fn twins(&self, ray: &GpuRay) -> String {
+        let (wide, rounding) = (wide(ray), self.rounding(ray));
+        let Some(hit) = twin::closest(&wide, &self.triangles) else { return "misses".into() };
+        let triangle = self.triangles[hit.triangle as usize];
+        let height = height(triangle, wide.direction) / rounding;
+        format!("{hit:?}, {height:.0} roundings high, {triangle:?} of {:?}", self.owners[hit.triangle as usize])
     }
 
     /// A ray from anywhere; most are aimed at triangles, some at their vertices and edges.
@@ -128,8 +137,9 @@ impl World {
     }
 
     /// Whether the twin explains a hit: nothing is there, for the ray or one beside it, or the triangle is where the ray
-    /// passes and nothing covers it. Triangles that look thinner than `thin` roundings may be missed, or hit anywhere.
-    fn explains(&self, random: &mut Random, ray: &GpuRay, hit: &GpuHit, thin: f64) -> bool {
+    /// passes and nothing covers it. Triangles that look thinner than `thin` roundings may be missed, or hit anywhere;
+    /// `beyond` roundings within its edge a triangle may be missed.
+    fn explains(&self, random: &mut Random, ray: &GpuRay, hit: &GpuHit, (thin, beyond): (f64, f64)) -> bool {
         let (wide, rounding) = (wide(ray), self.rounding(ray));
         let own = self.owners.iter().position(|owner| (owner.0, owner.1) == (hit.instance, hit.triangle));
         let reach = match own {
@@ -142,7 +152,7 @@ impl World {
         };
         let is_free = |ray: &Ray| twin::closest(ray, &self.triangles).is_none_or(|nearest| nearest.t >= reach);
         is_free(&wide)
-            || (0..400).any(|_| is_free(&beside(random, &wide, rounding)))
+            || (0..400).any(|_| is_free(&beside(random, &wide, beyond * rounding)))
             || self.is_thin(&wide, thin * rounding)
     }
 
