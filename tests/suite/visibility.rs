@@ -5,7 +5,7 @@ use crate::harness::target;
 use crate::reflections_twin::{BUMPED, MATTE, at, ball, block, faces, floor, scaled, scene, turned, views};
 use crate::shadows::{full, looking};
 use bytemuck::pod_collect_to_vec;
-use deferred_aa::glam::{Affine3A, DAffine3, DVec2, DVec3, Mat4, Vec3, vec3};
+use deferred_aa::glam::{Affine3A, DAffine3, DVec2, DVec3, Mat4, Vec3, dvec3, vec3};
 use deferred_aa::rays::{Attributes, BottomLevel, Instance, Mesh, RayError, RayScene, RayTier};
 use deferred_aa::reference::visibility::{Input, Seen};
 use deferred_aa::{
@@ -184,6 +184,53 @@ fn hard() -> Vec<(&'static str, Scene, Camera)> {
         ("flattened", flattened, near),
         ("far from the origin", distant, from_far),
     ]
+}
+
+/// From a point to a triangle.
+fn distance(point: DVec3, corners: [DVec3; 3]) -> f64 {
+    let [a, b, c] = corners.map(|corner| corner - point);
+    let normal = (b - a).cross(c - a);
+    let sides = [(a, b), (b, c), (c, a)];
+    if sides.iter().all(|(from, to)| from.cross(*to).dot(normal) >= 0.0) {
+        return normal.normalize_or_zero().dot(a).abs();
+    }
+    let of_side = |(from, to): (DVec3, DVec3)| {
+        let along = to - from;
+        let share = -from.dot(along) / along.length_squared().max(f64::MIN_POSITIVE);
+        (from + along * share.clamp(0.0, 1.0)).length()
+    };
+    sides.map(of_side).into_iter().fold(f64::MAX, f64::min)
+}
+
+/// What a sample shows lies on its triangle, however that is seen.
+#[test]
+fn every_sample_is_on_its_triangle() {
+    if !has_ids() {
+        return;
+    }
+    // Negative results of a hook would become 0.
+    const SHIFT: f64 = 100.0;
+    let mut node = Node::new("vec4f(s.relative_position + 100.0, 1.0)", GBufferTier::Visibility(Ids::Wide));
+    for (name, scene, camera) in hard() {
+        let (image, ids, depth) = node.render(&scene, &camera);
+        let mut covered = 0;
+        for (i, (pixel, [instance, triangle])) in image.iter().zip(ids).enumerate() {
+            // Where the depth is 0 there is sky.
+            if instance == 0 || depth[i] <= 1e-30 {
+                continue;
+            }
+            let placed = &scene.instances[instance as usize - 1];
+            let mesh = &scene.meshes[placed.mesh];
+            let (world, eye) = (placed.world_from_mesh.as_dmat4(), camera.eye.as_dvec3());
+            let corner = |i: u32| world.transform_point3(mesh.positions[i as usize].as_dvec3()) - eye;
+            let corners = mesh.indices.as_chunks::<3>().0[triangle as usize].map(corner);
+            let point = dvec3(pixel[0].into(), pixel[1].into(), pixel[2].into()) - SHIFT;
+            let off = distance(point, corners);
+            assert!(off <= 1e-4, "{name}, {i}: {point} lies {off} off {corners:?}");
+            covered += 1;
+        }
+        assert!(covered > 20, "{name}: {covered}");
+    }
 }
 
 #[test]
