@@ -345,7 +345,7 @@ fn no_ray_escapes_a_closed_mesh_on(mut tracer: Tracer) {
         let vertex = |i: usize| world.transform_point3(Vec3::from(positions[indices[i % indices.len()] as usize]));
         let mut seed = 3;
         let inside = |seed: &mut u32| world.transform_point3(random3(seed) * 0.5);
-        let rays: Vec<_> = (0..340_000)
+        let rays: Vec<_> = (0..1_000_000)
             .map(|i| {
                 let origin = inside(&mut seed);
                 let direction = match i % 3 {
