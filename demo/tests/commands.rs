@@ -680,6 +680,17 @@ fn presets_are_held_against_the_crates_own() {
 }
 
 #[test]
+fn targets_that_nothing_reaches_are_named() {
+    let folder = Folder::new("tune too high");
+    let arguments = ["--technique", "multiresolution", "--scene", "fence", "--rounds", "0", "--target-db", "20,79,80"];
+    let output = tune(&folder, &arguments);
+    let stdout = text(&output.stdout);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert!(stdout.contains("fast, at least 20 dB\n"), "{stdout}");
+    assert!(stdout.contains("balanced, at least 79 dB: not reached, this comes nearest\n"), "{stdout}");
+}
+
+#[test]
 fn thresholds_are_searched_too() {
     let folder = Folder::new("tune selective");
     let arguments = ["--technique", "selective", "--scene", "cornell", "--rounds", "1", "--target-db", "24,28,32"];

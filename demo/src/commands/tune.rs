@@ -110,6 +110,8 @@ struct Found<T> {
     settings: T,
     /// Those of the crate; null where it has none.
     own_settings: Option<T>,
+    /// Whether they reach the floor; if not, none that were tried do.
+    reached: bool,
     /// Over the scenes of the search.
     mean_cost: f64,
     scenes: Vec<OnScene>,
@@ -266,7 +268,8 @@ impl<T: Tunable> Found<T> {
             Ok::<_, SubjectError>(OnScene { scene: subject.name.clone(), unseen: i >= seen, found, own })
         };
         let scenes = subjects.iter_mut().enumerate().map(on).collect::<Result<_, _>>()?;
-        Ok(Self { name, task, settings, own_settings, mean_cost: point.mean_cost(), scenes })
+        let (reached, mean_cost) = (point.reaches(&task), point.mean_cost());
+        Ok(Self { name, task, settings, own_settings, reached, mean_cost, scenes })
     }
 }
 
@@ -317,9 +320,15 @@ fn summary<T: Tunable>(record: &Record<T>, path: &Path) -> String {
             Floor::Db(db) => format!("at least {db} dB"),
             Floor::Like(_) => "no worse than the crate's".to_owned(),
         };
-        text += &format!("\n{}, {floor}", preset.name);
+        let reached = if preset.reached { "" } else { ": not reached, this comes nearest" };
+        text += &format!("\n{}, {floor}{reached}", preset.name);
         let head = format!("{:>8}{:>7}{:>7}{:>8}{:>9}{:>7}", "cost", "dB", "edges", "FLIP", "flicker", "time");
-        text += &format!("\n{:<26}{head}   the crate's{}\n", "", &head[13..]);
+        let own = preset.own_settings.is_some();
+        let (of_own, own_head) = if own { ("the crate's", head.as_str()) } else { ("", "") };
+        for line in [format!("{:>46}   {of_own:>46}", "found"), format!("{head}   {own_head}")] {
+            text += &format!("\n{:<26}{}", "", line.trim_end());
+        }
+        text += "\n";
         for unseen in [false, true] {
             let scenes: Vec<_> = preset.scenes.iter().filter(|s| s.unseen == unseen).collect();
             if unseen && !scenes.is_empty() {
@@ -327,7 +336,8 @@ fn summary<T: Tunable>(record: &Record<T>, path: &Path) -> String {
             }
             for scene in &scenes {
                 let own = scene.own.map_or(String::new(), |own| own.row());
-                text += &format!("{:<26}{}   {own}\n", end_of(&scene.scene, 25), scene.found.row());
+                let row = format!("{:<26}{}   {own}", end_of(&scene.scene, 25), scene.found.row());
+                text += &format!("{}\n", row.trim_end());
             }
             if !scenes.is_empty() {
                 let own: Option<Vec<_>> = scenes.iter().map(|s| s.own.map(|m| m.figures)).collect();

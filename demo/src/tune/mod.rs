@@ -99,6 +99,11 @@ impl<T> Point<T> {
         task.floor.spare_db(&self.figures)
     }
 
+    /// Whether it reaches the floor.
+    pub fn reaches(&self, task: &Task) -> bool {
+        self.spare_db(task) >= 0.0
+    }
+
     /// The mean over the views of the logarithm of the cost, so that a view with few samples counts as much.
     fn ln_cost(&self) -> f64 {
         self.figures.iter().map(|f| f.cost.ln()).sum::<f64>() / self.figures.len().max(1) as f64
@@ -176,6 +181,7 @@ impl<T: Tunable> Tuner<'_, T> {
         task: &Task,
         mut after_round: impl FnMut(&Found),
     ) -> Result<Point<T>, SubjectError> {
+        let given = self.point(start)?;
         let mut starts = Vec::new();
         for far in start.starts() {
             let near = self.near_floor(far, task, 8)?.settings;
@@ -200,7 +206,10 @@ impl<T: Tunable> Tuner<'_, T> {
                 (best, base) = (cost, point.settings);
             }
         }
-        self.above_floor(base, task)
+        let found = self.above_floor(base, task)?;
+        // The search takes less error for a little more cost; what it began with may be the cheapest.
+        let is_given = given.reaches(task) && given.ln_cost() <= found.ln_cost();
+        Ok(if is_given { given } else { found })
     }
 
     /// The dial of two digits with the fewest samples whose worst view is not below the floor, if any is.
