@@ -16,7 +16,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::Schedules;
 use bevy_gizmos::config::{DefaultGizmoConfigGroup, GizmoConfigStore};
 use bevy_image::Image;
-use bevy_light::{EnvironmentMapLight, Skybox};
+use bevy_light::{EnvironmentMapLight, RectLight, Skybox};
 use bevy_math::{UVec2, Vec3};
 use bevy_mesh::morph::{MeshMorphWeights, MorphAttributes};
 use bevy_mesh::{Mesh, Mesh3d};
@@ -82,6 +82,33 @@ fn all_samples_are_the_mean_of_bevys_own_larger_image() {
         assert_eq!(stage.complaints(), Vec::<String>::new());
         assert!(shown >= 50.0 && linear >= 50.0, "m = {m}: {shown} dB, {linear} dB");
     }
+}
+
+/// Light of a rectangle, which has no shadow map and reads tables of its own.
+#[test]
+fn rectangles_light_as_in_bevys_own() {
+    let with_panel = |size: [u32; 2]| {
+        let (mut stage, camera, target) = stage(size);
+        stage.run(12);
+        let before = stage.picture(&target);
+        let panel = RectLight { intensity: 1_000_000.0, width: 3.0, height: 1.0, ..Default::default() };
+        let at = Transform::from_xyz(-1.0, 3.0, 3.0).looking_at(Vec3::new(0.0, 0.5, 0.0), Vec3::Y);
+        stage.world().spawn((panel, at));
+        stage.run(12);
+        (stage, camera, target, before)
+    };
+    let (mut large, _, large_target, before) = with_panel(SIZE.map(|side| side * 2));
+    let truth = large.picture(&large_target);
+    let without = before.psnr(&truth);
+    assert!(without < 30.0, "it lights little: {without} dB");
+    let truth = truth.reduced(2);
+    let (mut stage, camera, target, _) = with_panel(SIZE);
+    insert(&mut stage, camera, DeferredAa::full(2));
+    let full = stage.picture(&target);
+    let (shown, linear) = (full.psnr(&truth), full.psnr_linear(&truth));
+    println!("{shown:.1} dB as displayed, {linear:.1} dB of linear radiance");
+    assert!(shown >= 50.0 && linear >= 50.0, "{shown} dB, {linear} dB");
+    assert_eq!(stage.complaints(), Vec::<String>::new());
 }
 
 /// A material with a lighting pass of its own is drawn into the G-buffer, and not lit.
