@@ -50,7 +50,9 @@ fn forward_shading_shows_the_same_scene_with_better_edges() {
         let [ours, plain] = [&msaa, &single].map(|picture| quality::psnr(picture, &truth).unwrap());
         println!("{scene}: MSAA {ours:.2} dB, Single {plain:.2} dB");
         let better = ["fence", "cornell", "spheres", "atrium"].contains(&scene);
-        assert!(if better { ours > plain + 2.0 } else { ours > plain - 0.5 }, "{scene}: {ours} dB, {plain} dB");
+        // Above 70 dB both are the truth but for rounding.
+        let no_worse = ours.min(70.0) > plain.min(70.0) - 0.5;
+        assert!(if better { ours > plain + 2.0 } else { no_worse }, "{scene}: {ours} dB, {plain} dB");
         // Inside of surfaces both have lit the same point of the same triangle.
         let same = msaa.to_srgb8().into_iter().zip(single.to_srgb8());
         let near = same.filter(|(a, b)| a.iter().zip(b).all(|(a, b)| a.abs_diff(*b) <= 2)).count();
