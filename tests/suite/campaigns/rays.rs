@@ -112,9 +112,9 @@ impl World {
     fn twins(&self, ray: &GpuRay) -> String {
         let (wide, rounding) = (wide(ray), self.rounding(ray));
         let Some(hit) = twin::closest(&wide, &self.triangles) else { return "misses".into() };
-        let triangle = self.triangles[hit.triangle as usize];
+        let triangle = self.triangles[hit.triangle];
         let height = height(triangle, wide.direction) / rounding;
-        format!("{hit:?}, {height:.0} roundings high, {triangle:?} of {:?}", self.owners[hit.triangle as usize])
+        format!("{hit:?}, {height:.0} roundings high, {triangle:?} of {:?}", self.owners[hit.triangle])
     }
 
     /// A ray from anywhere; most are aimed at triangles, some at their vertices and edges.
