@@ -71,7 +71,7 @@ const MEASURES: usize = 4;
 /// [`WORST_DB`] counts as that, so that one view can't pay for many.
 fn gains(figures: &Figures, other: &Figures) -> [f64; MEASURES] {
     // FLIP and flicker go about with the error, as PSNR does; what none can see is no difference.
-    let below = |is: f64, other: f64| 20.0 * (other.max(UNSEEN) / is.max(UNSEEN)).log10();
+    let below = |is: f64, other: f64| 20.0 * (other.max(INVISIBLE) / is.max(INVISIBLE)).log10();
     [
         figures.psnr_db - other.psnr_db,
         figures.edge_psnr_db - other.edge_psnr_db,
@@ -82,7 +82,7 @@ fn gains(figures: &Figures, other: &Figures) -> [f64; MEASURES] {
 }
 
 /// A tenth of a step of eight bits.
-const UNSEEN: f64 = 0.1 / 255.0;
+const INVISIBLE: f64 = 0.1 / 255.0;
 
 /// Settings on all views.
 #[derive(Debug, Clone, PartialEq, Serialize)]
