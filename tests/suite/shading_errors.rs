@@ -201,14 +201,6 @@ const fragments = 3;
 @must_use fn helper() -> f32 { return f32(fragments); }";
     assert_eq!(check(TextureTier::None, &format!("{passes}\n{SHADE}")), Ok(()));
     assert_snapshot!(beside_a_hook(&format!("{passes}\n@fragment fn f() {{}} fn b() -> f32 {{ return §oops; }}")), @"game/toon.wgsl:9:44: no definition in scope for identifier: `oops`");
-    // What an entry point reads is not read by shading.
-    for enters in [
-        "@compute @workgroup_size(1) fn main() { var s: DaaSample; let uv = s.uv; }",
-        "@vertex fn main() -> @builtin(position) vec4f { var s: DaaSample; return vec4f(s.uv, 0.0, 1.0); }",
-        "@fragment fn main() -> @location(0) vec4f { var s: DaaSample; return vec4f(s.uv, 0.0, 1.0); }",
-    ] {
-        assert_eq!(check(TextureTier::None, &format!("{enters}\n{SHADE}")), Ok(()), "{enters}");
-    }
     // A hook is none.
     assert_snapshot!(error("@fragment fn shade() -> @location(0) vec4f { return vec4f(1.0); }"), @"game/toon.wgsl: no shading function; write `fn shade(s: DaaSample) -> vec4f`, or both `fn material(s: DaaSample) -> DaaMaterial` and `fn light(f: DaaSurface, m: DaaMaterial) -> vec4f`");
 }

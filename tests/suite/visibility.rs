@@ -187,12 +187,12 @@ fn hard() -> Vec<(&'static str, Scene, Camera)> {
 }
 
 /// From a point to a triangle.
-fn distance(point: DVec3, corners: [DVec3; 3]) -> f64 {
+pub fn distance(point: DVec3, corners: [DVec3; 3]) -> f64 {
     let [a, b, c] = corners.map(|corner| corner - point);
     let normal = (b - a).cross(c - a);
     let sides = [(a, b), (b, c), (c, a)];
-    if sides.iter().all(|(from, to)| from.cross(*to).dot(normal) >= 0.0) {
-        return normal.normalize_or_zero().dot(a).abs();
+    if sides.iter().all(|(from, to)| from.cross(*to).dot(normal) > 0.0) {
+        return normal.normalize().dot(a).abs();
     }
     let of_side = |(from, to): (DVec3, DVec3)| {
         let along = to - from;
@@ -518,6 +518,15 @@ fn a_channel_that_is_read_must_be_kept() {
     let why = "game.wgsl:3:18: `ddx` is not kept in the G-buffer; set it in the Channels of Descriptor::gbuffer, or don't read it";
     assert_eq!(build(reads, none, None).unwrap_err(), why.replace("ddx", "uv").replace(":18:", ":25:"));
     assert_eq!(build(reads, Channels { uv: true, ..none }, None), Ok(()));
+    // What the host's own passes read is not read by shading.
+    for enters in [
+        "@compute @workgroup_size(1) fn main() { var s: DaaSample; let uv = s.uv; }",
+        "@vertex fn main() -> @builtin(position) vec4f { var s: DaaSample; return vec4f(s.uv, 0.0, 1.0); }",
+        "@fragment fn main() -> @location(0) vec4f { var s: DaaSample; return vec4f(s.uv, 0.0, 1.0); }",
+    ] {
+        let beside = format!("{enters}\nfn shade(s: DaaSample) -> vec4f {{ return vec4f(s.normal, 1.0); }}");
+        assert_eq!(build(&beside, none, None), Ok(()), "{enters}");
+    }
     let split = "fn material(s: DaaSample) -> DaaMaterial { var m: DaaMaterial; m.normal = daa_apply_normal_map(s, s.normal); return m; }
         fn light(f: DaaSurface, m: DaaMaterial) -> vec4f { return vec4f(m.normal, f32(f.user)); }";
     assert!(build(split, none, None).unwrap_err().contains("`tangent` is not kept"));

@@ -110,7 +110,7 @@ struct Found<T> {
     settings: T,
     /// Those of the crate; null where it has none.
     own_settings: Option<T>,
-    /// Whether they reach the floor; if not, none that were tried do.
+    /// Whether they reach the floor.
     reached: bool,
     /// Over the scenes of the search.
     mean_cost: f64,
@@ -159,7 +159,6 @@ impl Tune {
         if !(2..=deferred_aa::window::MAX_M).contains(&self.m) {
             return Err(wrong(&format!("{} is not in 2 to 8", self.m)));
         }
-        let rounds = self.rounds;
         let mut subjects = self.subjects::<T>()?;
         // Those that the search sees come first.
         let seen = subjects.len() - self.unseen.len();
@@ -178,10 +177,11 @@ impl Tune {
         let path = self.out.join("tune.json");
         // A folder that can't be written to is found now and not after the work.
         write_json(&path, &record)?;
-        let bar = progress(PRESETS.len() * rounds);
+        let bar = progress(PRESETS.len() * self.rounds);
         for (i, (name, preset)) in PRESETS.into_iter().enumerate() {
             bar.set_message(name);
             let mut tuner = Tuner { subjects: &mut subjects[..seen] };
+            // A technique without a preset for each target has a default, which is none of them.
             let own = T::own(preset).filter(|_| self.target_db.is_none() && T::own(Preset::Fast).is_some());
             let (start, floor) = match own {
                 Some(own) => (own, Floor::Like(tuner.point(own)?.figures)),
@@ -191,7 +191,7 @@ impl Tune {
                     (last.unwrap_or(T::START), Floor::Db(self.target_db.unwrap_or(FLOORS_DB)[i]))
                 }
             };
-            let task = Task { floor, rounds };
+            let task = Task { floor, rounds: self.rounds };
             let point = tuner.search(start, &task, |_| bar.inc(1))?;
             record.presets.push(Found::new(name, task, &point, T::own(preset), (&mut subjects, seen))?);
             record.evaluated = evaluated(&subjects);
@@ -320,7 +320,7 @@ fn summary<T: Tunable>(record: &Record<T>, path: &Path) -> String {
             Floor::Db(db) => format!("at least {db} dB"),
             Floor::Like(_) => "no worse than the crate's".to_owned(),
         };
-        let reached = if preset.reached { "" } else { ": not reached, this comes nearest" };
+        let reached = if preset.reached { "" } else { ": not reached" };
         text += &format!("\n{}, {floor}{reached}", preset.name);
         let head = format!("{:>8}{:>7}{:>7}{:>8}{:>9}{:>7}", "cost", "dB", "edges", "FLIP", "flicker", "time");
         let own = preset.own_settings.is_some();
@@ -340,15 +340,18 @@ fn summary<T: Tunable>(record: &Record<T>, path: &Path) -> String {
                 text += &format!("{}\n", row.trim_end());
             }
             if !scenes.is_empty() {
-                let own: Option<Vec<_>> = scenes.iter().map(|s| s.own.map(|m| m.figures)).collect();
-                let found = scenes.iter().map(|s| s.found.figures).collect();
-                let own = own.map_or(String::new(), |own| format!("{:43}{:>7.2}%", "", 100.0 * geometric_mean(own)));
-                text += &format!("{:<26}{:>7.2}%{own}\n", "geometric mean", 100.0 * geometric_mean(found));
+                let mean = |of: &dyn Fn(&OnScene) -> Option<Measured>| {
+                    let figures: Option<Vec<_>> = scenes.iter().map(|s| of(s).map(|m| m.figures)).collect();
+                    figures.map(|f| Measured { figures: Figures::mean(&f), time_over_full: None }.row())
+                };
+                let [found, own] = [mean(&|s| Some(s.found)), mean(&|s| s.own)].map(Option::unwrap_or_default);
+                text += &format!("{}\n", format!("{:<26}{found}   {own}", "mean").trim_end());
             }
         }
     }
     text += "\ncost: samples over those of Full, or lights and reads of materials; dB, edges, FLIP: against Full; flicker: \
-             deviation of that error over a pixel's way; time: of the node over Full's\n";
+             deviation of that error over a pixel's way; time: of the node over Full's; \
+             mean: of dB, up to 80 each; of all else the geometric one\n";
     for preset in &record.presets {
         text += &format!("\n// {}\n{}\n", preset.name, preset.settings.source());
     }
@@ -360,15 +363,11 @@ fn end_of(name: &str, most: usize) -> String {
     name.chars().skip(name.chars().count().saturating_sub(most)).collect()
 }
 
-fn geometric_mean(figures: Vec<Figures>) -> f64 {
-    Point { settings: (), figures }.mean_cost()
-}
-
 impl Measured {
     fn row(&self) -> String {
         let Figures { cost, psnr_db, edge_psnr_db, flip, flicker, .. } = self.figures;
         let time = self.time_over_full.map_or("-".to_owned(), |t| format!("{:.0}%", t.median * 100.0));
-        format!("{:>7.2}%{psnr_db:>7.1}{edge_psnr_db:>7.1}{flip:>8.4}{flicker:>9.4}{time:>7}", cost * 100.0)
+        format!("{:>7.2}%{psnr_db:>7.1}{edge_psnr_db:>7.1}{flip:>8.4}{flicker:>9.5}{time:>7}", cost * 100.0)
     }
 }
 

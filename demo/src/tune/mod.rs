@@ -104,14 +104,9 @@ impl<T> Point<T> {
         self.spare_db(task) >= 0.0
     }
 
-    /// The mean over the views of the logarithm of the cost, so that a view with few samples counts as much.
-    fn ln_cost(&self) -> f64 {
-        self.figures.iter().map(|f| f.cost.ln()).sum::<f64>() / self.figures.len().max(1) as f64
-    }
-
-    /// The geometric mean of the costs.
+    /// The geometric mean of the costs, so that a view with few samples counts as much.
     pub fn mean_cost(&self) -> f64 {
-        self.ln_cost().exp()
+        Figures::mean(&self.figures).cost
     }
 }
 
@@ -171,7 +166,7 @@ impl<T: Tunable> Tuner<'_, T> {
         let spare = point.spare_db(task);
         // Below the floor a dB is dear, above it cheap: what can't reach the floor must not win.
         let rate = if spare < -CLOSE_DB { 3.0 * LN_RATIO_PER_DB } else { LN_RATIO_PER_DB };
-        Ok((point.ln_cost() - rate * spare.min(1.0), point))
+        Ok((point.mean_cost().ln() - rate * spare.min(1.0), point))
     }
 
     /// The settings that need the fewest samples over the floor. `after_round` hears of the best cost so far.
@@ -208,7 +203,7 @@ impl<T: Tunable> Tuner<'_, T> {
         }
         let found = self.above_floor(base, task)?;
         // The search takes less error for a little more cost; what it began with may be the cheapest.
-        let is_given = given.reaches(task) && given.ln_cost() <= found.ln_cost();
+        let is_given = given.reaches(task) && given.mean_cost() <= found.mean_cost();
         Ok(if is_given { given } else { found })
     }
 

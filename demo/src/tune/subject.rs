@@ -30,6 +30,28 @@ pub struct Figures {
     pub flicker: f64,
 }
 
+/// Errors below this are the reference but for rounding, in dB.
+const SAME_DB: f64 = 80.0;
+
+/// A hundredth of a step of eight bits.
+const LEAST_DEVIATION: f64 = 0.01 / 255.0;
+
+impl Figures {
+    /// The means over views: of dB as they are, up to 80, of all else geometric, so that each view counts as much.
+    pub fn mean(of: &[Self]) -> Self {
+        let count = of.len().max(1) as f64;
+        let mean = |value: fn(&Self) -> f64| of.iter().map(value).sum::<f64>() / count;
+        Self {
+            ratio: mean(|f| f.ratio.ln()).exp(),
+            cost: mean(|f| f.cost.ln()).exp(),
+            psnr_db: mean(|f| f.psnr_db.min(SAME_DB)),
+            edge_psnr_db: mean(|f| f.edge_psnr_db.min(SAME_DB)),
+            flip: mean(|f| f.flip.max(LEAST_DEVIATION).ln()).exp(),
+            flicker: mean(|f| f.flicker.max(LEAST_DEVIATION).ln()).exp(),
+        }
+    }
+}
+
 /// A view could not be measured.
 #[derive(Debug, thiserror::Error)]
 pub enum SubjectError {
@@ -118,5 +140,30 @@ impl<T: Tunable> Subject<T> {
     /// The graphics adapter.
     pub fn adapter(&self) -> String {
         self.host.gpu.adapter.get_info().name
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_view_counts_as_much() {
+        let view = |factor: f64, psnr_db, edge_psnr_db| Figures {
+            ratio: 0.1 * factor,
+            cost: 0.2 * factor,
+            psnr_db,
+            edge_psnr_db,
+            flip: 0.01 * factor,
+            flicker: if factor > 1.0 { 0.0 } else { LEAST_DEVIATION * 4.0 },
+        };
+        let mean = Figures::mean(&[view(1.0, 40.0, 60.0), view(4.0, 50.0, 200.0)]);
+        let near = |is: f64, expected: f64| assert!((is / expected - 1.0).abs() < 1e-12, "{is}, not {expected}");
+        near(mean.ratio, 0.2);
+        near(mean.cost, 0.4);
+        near(mean.psnr_db, 45.0);
+        near(mean.edge_psnr_db, 70.0);
+        near(mean.flip, 0.02);
+        near(mean.flicker, LEAST_DEVIATION * 2.0);
     }
 }

@@ -4,7 +4,7 @@
 use super::Campaign;
 use super::random::Random;
 use crate::rays::{GpuHit, GpuRay, MISS, Tracer, sphere, wide};
-use crate::visibility::adapter;
+use crate::visibility::{adapter, distance};
 use deferred_aa::glam::{Affine3A, DAffine3, DVec3, Mat3, Vec3};
 use deferred_aa::rays::{QUERY_FEATURES, RayScene, RayTier};
 use deferred_aa::reference::rays::{self as twin, Ray};
@@ -173,7 +173,9 @@ impl World {
         let slope = normal.dot(ray.direction);
         let t = normal.dot(triangle[0] - ray.origin) / slope;
         let edge_on = height(triangle, ray.direction) < thin * rounding;
-        distance(triangle, ray) <= 4.0 * rounding
+        // As seen along the ray, whose line is a point then.
+        let beside_line = distance(DVec3::ZERO, triangle.map(|v| (v - ray.origin).reject_from(ray.direction)));
+        beside_line <= 4.0 * rounding
             && (edge_on
                 || (f64::from(hit.t) - t).abs() <= self.error(ray, hit, own, thin)
                     && (hit.front == 1) == ((slope < 0.0) != self.owners[own].2))
@@ -200,22 +202,6 @@ impl World {
 
 fn normal([a, b, c]: [DVec3; 3]) -> DVec3 {
     (b - a).cross(c - a).normalize_or_zero()
-}
-
-/// How far a ray's line passes beside a triangle; 0 within it.
-fn distance(triangle: [DVec3; 3], ray: &Ray) -> f64 {
-    let [a, b, c] = triangle.map(|v| (v - ray.origin).reject_from(ray.direction));
-    let sides = [(a, b), (b, c), (c, a)];
-    let turns = sides.map(|(from, to)| from.cross(to).dot(ray.direction));
-    if turns.iter().all(|&turn| turn > 0.0) || turns.iter().all(|&turn| turn < 0.0) {
-        return 0.0;
-    }
-    let of_side = |(from, to): (DVec3, DVec3)| {
-        let along = to - from;
-        let share = -from.dot(along) / along.length_squared().max(f64::MIN_POSITIVE);
-        (from + along * share.clamp(0.0, 1.0)).length()
-    };
-    sides.map(of_side).into_iter().fold(f64::MAX, f64::min)
 }
 
 /// The least height of a triangle as seen along a direction.
