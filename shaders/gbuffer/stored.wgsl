@@ -7,9 +7,9 @@ fn daa_surface_at(at: vec2u) -> vec2u {
     return textureLoad(daa_gbuffer_surface, at, 0).xy;
 }
 
-/// Whether two samples are known to show one triangle.
-fn daa_is_same_triangle(a: vec2u, b: vec2u) -> bool {
-    return false;
+/// What two samples share that are known to show one triangle: here nothing is known.
+fn daa_triangle_at(at: vec2u) -> vec2u {
+    return at;
 }
 
 /// material | object << 16.

@@ -195,9 +195,9 @@ fn daa_surface_at(at: vec2u) -> vec2u {
     return vec2u(pack2x16snorm(daa_octahedral_encode(normal)), daa_drawn.identity);
 }
 
-/// Whether two samples are known to show one triangle, or nothing.
-fn daa_is_same_triangle(a: vec2u, b: vec2u) -> bool {
-    return all(daa_ids_at(a) == daa_ids_at(b));
+/// What two samples share that are known to show one triangle, or nothing.
+fn daa_triangle_at(at: vec2u) -> vec2u {
+    return daa_ids_at(at);
 }
 
 /// material | object << 16.

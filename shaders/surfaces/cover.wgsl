@@ -36,15 +36,15 @@ fn daa_is_same_surface(a: DaaSeen, b: DaaSeen) -> bool {
     return a.identity == b.identity && near && dot(a.normal, b.normal) >= daa_frame.surfaces.normal_cosine;
 }
 
-/// The rank, and those of the others that are known to show its triangle. They are judged together.
-fn daa_of_triangle(pixel: vec2u, rank: u32, others: vec2u) -> vec2u {
+/// The ranks of a window that are known to show the triangle of one of them, itself included. They are judged together.
+fn daa_of_triangle(pixel: vec2u, rank: u32) -> vec2u {
     let corner = pixel * DAA_M;
-    var ranks = daa_with(vec2u(0u), rank);
-    for (var queue = others; any(queue != vec2u(0u)); queue = daa_without_least(queue)) {
-        let other = daa_least(queue);
-        if daa_is_same_triangle(corner + daa_order(rank), corner + daa_order(other)) {
-            ranks = daa_with(ranks, other);
-        }
+    let triangle = daa_triangle_at(corner + daa_order(rank));
+    var ranks = vec2u(0u);
+    // All of them, as compilers unroll that.
+    for (var other = 0u; other < DAA_M * DAA_M; other++) {
+        let same = u32(all(daa_triangle_at(corner + daa_order(other)) == triangle)) << (other & 31u);
+        ranks |= select(vec2u(0u, same), vec2u(same, 0u), other < 32u);
     }
     return ranks;
 }
@@ -123,13 +123,13 @@ fn daa_cover_main(
     var merged = false;
     while any(left != vec2u(0u)) {
         let first = daa_least(left);
-        var same = daa_of_triangle(pixel, first, left);
+        var same = left & daa_of_triangle(pixel, first);
         var others = left & ~same;
         if any(others != vec2u(0u)) {
             let seen = daa_seen(pixel, first);
             while any(others != vec2u(0u)) {
                 let rank = daa_least(others);
-                let ranks = daa_of_triangle(pixel, rank, others);
+                let ranks = others & daa_of_triangle(pixel, rank);
                 same |= select(vec2u(0u), ranks, daa_is_same_surface(seen, daa_seen(pixel, rank)));
                 others &= ~ranks;
             }
