@@ -17,7 +17,7 @@ use crate::gpu::sizes::{self, FIXED, Results, Shape, workgroups};
 use crate::gpu::step::{Pass, Step, used_parts};
 use crate::gpu::uniforms::audited::Audited;
 use crate::gpu::uniforms::casting::{CastSamples, CastingUniform};
-use crate::gpu::uniforms::frame::FrameUniform;
+use crate::gpu::uniforms::frame::{FrameUniform, flag};
 use crate::gpu::uniforms::lattice::{LatticeStep, LatticeSteps, StepUniform};
 use crate::host::band::{Band, Rect};
 use crate::host::check::{InputMistake, InputReport, encodes};
@@ -540,6 +540,7 @@ impl DeferredAa {
         let mut uniform = FrameUniform::new(frame, &band, at, audited)?;
         uniform.set_order(m, &technique.order(settings, m));
         technique.uniform(settings, m, effort, &mut uniform);
+        uniform.flag(flag::WHOLE_HOOK, self.build().host.shades_whole());
         let shape = self.shape(layout, settings, inputs);
         uniform.results = shape.results.into();
         self.check_scene(frame, uniform.camera_position.into())?;

@@ -196,6 +196,7 @@ const DAA_FLAG_LATTICE: u32 = 0x2000000u;
 const DAA_FLAG_REFLECTS: u32 = 0x4000000u;
 const DAA_FLAG_SURFACES: u32 = 0x8000000u;
 const DAA_FLAG_LUMINANCE_CHANNELS: u32 = 0x10000000u;
+const DAA_FLAG_WHOLE_HOOK: u32 = 0x20000000u;
 
 @group(0) @binding(0) var<uniform> daa_frame: DaaFrame;
 

@@ -75,13 +75,24 @@ fn daa_near_edge(pixel: vec2u) -> bool {
     return is_near;
 }
 
-/// How many of the window's samples cast rays, and why. Where one surface fills the window, `probe` has found no edge of a
-/// shadow near it, and the windows beside it reflect alike, the first sample speaks for all. Where only what is
-/// reflected differs, its shadow bits hold for all.
-fn daa_rays_wanted(pixel: vec2u, surfaces: u32) -> u32 {
+/// The number of ranks up to the last tap of a surface. All, if all may be read: a host that shades samples as a whole
+/// may have any of them shaded.
+fn daa_ranks_tapped(ranks: vec2u) -> u32 {
+    let n = DAA_M * DAA_M;
+    let taps = daa_frame.surfaces.taps;
+    if taps >= min(n, DAA_MOST_TAPS) || daa_flag(DAA_FLAG_WHOLE_HOOK) {
+        return n;
+    }
+    return daa_nth_rank(ranks, min(taps, daa_rank_count(ranks)) - 1u) + 1u;
+}
+
+/// How many of the window's samples cast rays, and why. Of several surfaces, those do that are read. Where one surface fills
+/// the window, `probe` has found no edge of a shadow near it, and the windows beside it reflect alike, the first sample
+/// speaks for all. Where only what is reflected differs, its shadow bits hold for all.
+fn daa_rays_wanted(pixel: vec2u, surfaces: u32, tapped: u32) -> u32 {
     let n = DAA_M * DAA_M;
     if surfaces > 1u {
-        return daa_count_word(n, DAA_BY_IDENTITY, 0u);
+        return daa_count_word(tapped, DAA_BY_IDENTITY, 0u);
     }
     if daa_near_edge(pixel) {
         return daa_count_word(n, DAA_BY_SHADOW, 0u);
@@ -121,6 +132,7 @@ fn daa_cover_main(
     var high = vec2u(0u);
     var surfaces = 0u;
     var merged = false;
+    var tapped = 0u;
     while any(left != vec2u(0u)) {
         let first = daa_least(left);
         var same = left & daa_of_triangle(pixel, first);
@@ -143,9 +155,10 @@ fn daa_cover_main(
         high |= select(vec2u(0u), same, (surfaces & 4u) != 0u);
         left &= ~same;
         surfaces += 1u;
+        tapped = max(tapped, daa_ranks_tapped(same));
     }
     daa_surfaces[slot] = daa_surface_word(surfaces, merged);
-    daa_counts[slot] = daa_rays_wanted(pixel, surfaces);
+    daa_counts[slot] = daa_rays_wanted(pixel, surfaces, tapped);
     if surfaces == 1u {
         return;
     }

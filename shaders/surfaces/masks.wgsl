@@ -11,6 +11,9 @@
 // Then, for the samples of each window, three bits of the surface's label: each of the three is a set of ranks. Then the
 // corners of blocks, as light.wgsl has them.
 
+/// The number of taps of a surface is at most this.
+const DAA_MOST_TAPS: u32 = 16u;
+
 fn daa_surface_word(surfaces: u32, merged: bool) -> u32 {
     return surfaces | select(0u, 8u, merged);
 }

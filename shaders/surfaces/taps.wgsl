@@ -1,9 +1,6 @@
 // The taps of surfaces: what is read of them, and what their spread says. Declares no bindings. CPU twin:
 // src/reference/surfaces/light.rs.
 
-/// The number of taps of a surface is at most this.
-const DAA_MOST_TAPS: u32 = 16u;
-
 /// What is known of a set of taps: sums over them.
 struct DaaGathered {
     taps: f32,

@@ -439,6 +439,7 @@ fn flags_are_the_shaders() {
         ("LUMINANCE_PERCEPTUAL", flag::LUMINANCE_PERCEPTUAL),
         ("LUMINANCE_CENTRE", flag::LUMINANCE_CENTRE),
         ("LUMINANCE_CHANNELS", flag::LUMINANCE_CHANNELS),
+        ("WHOLE_HOOK", flag::WHOLE_HOOK),
         ("PLANES", flag::PLANES),
         ("CUT_IDENTITY", flag::CUT_IDENTITY),
         ("CUT_SHADOW", flag::CUT_SHADOW),

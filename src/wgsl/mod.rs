@@ -187,6 +187,11 @@ impl HostSource {
         [hook, sky]
     }
 
+    /// Whether the host has `shade`, in place of `material` and `light`.
+    pub fn shades_whole(&self) -> bool {
+        self.hook == Hook::Whole
+    }
+
     /// The functions through which `light` of `Surfaces` calls the host's functions apart.
     pub fn split_calls(&self) -> [&'static str; 2] {
         let split = match self.hook {

@@ -170,6 +170,7 @@ pub(crate) mod flag {
     pub const REFLECTS: u32 = 1 << 26;
     pub const SURFACES: u32 = 1 << 27;
     pub const LUMINANCE_CHANNELS: u32 = 1 << 28;
+    pub const WHOLE_HOOK: u32 = 1 << 29;
 }
 
 impl FrameUniform {

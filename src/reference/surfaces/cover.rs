@@ -115,12 +115,25 @@ pub struct Rays {
     pub margin: f64,
 }
 
-/// How many of a window's samples cast rays.
-pub fn rays(n: usize, surfaces: u8, around: &Around) -> Rays {
+/// How many samples of a window of several surfaces cast rays: all up to the last that is read. Of a host that shades
+/// samples as a whole, any may be read.
+pub fn tapped(labels: &[u8], settings: &Surfaces, whole_hook: bool) -> usize {
+    let (n, taps) = (labels.len(), settings.taps as usize);
+    if whole_hook || taps >= n.min(Surfaces::MOST_TAPS as usize) {
+        return n;
+    }
+    let last = |label: u8| (0..n).filter(|&rank| labels[rank] == label).take(taps).last();
+    labels.iter().filter_map(|&label| last(label)).max().map_or(0, |rank| rank + 1)
+}
+
+/// How many of a window's samples cast rays. `tapped` do where there are several surfaces.
+pub fn rays(n: usize, surfaces: u8, tapped: usize, around: &Around) -> Rays {
     const SEEN: f64 = 0.02;
-    if surfaces > 1 || around.shadow_edge {
-        let by = if surfaces > 1 { By::Identity } else { By::Shadow };
-        return Rays { k: n, by, margin: f64::INFINITY };
+    if surfaces > 1 {
+        return Rays { k: tapped, by: By::Identity, margin: f64::INFINITY };
+    }
+    if around.shadow_edge {
+        return Rays { k: n, by: By::Shadow, margin: f64::INFINITY };
     }
     let margin = (around.contrast - SEEN).abs().min((around.contrast - 0.25 * SEEN).abs());
     match around.contrast {
