@@ -137,6 +137,7 @@ fn every_field_and_file_is_there() {
         "multiresolution-m2-sparse",
         "multiresolution-m2-paper",
         "surfaces-m2",
+        "surfaces-m2-once",
         "surfaces-m2-fast",
         "surfaces-m2-quality",
     ];

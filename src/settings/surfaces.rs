@@ -68,8 +68,15 @@ impl Surfaces {
     /// geometry are counted as exactly as by the presets, while textures, highlights and the edges of shadows within
     /// a surface are those of one sample a pixel. It costs little more than
     /// [`Technique::Single`](crate::Technique::Single).
-    pub const ONCE: Self =
-        Self { groups: 1, taps: 1, first_taps: 1, block_spread: 0.0, shadow_reach: 0, footprint: 0.6, ..Self::BALANCED };
+    pub const ONCE: Self = Self {
+        groups: 1,
+        taps: 1,
+        first_taps: 1,
+        block_spread: 0.0,
+        shadow_reach: 0,
+        footprint: 0.6,
+        ..Self::BALANCED
+    };
 
     const BALANCED: Self = Self {
         spread: 0.01,

@@ -8,7 +8,9 @@ use deferred_aa::reference::sample::relative_position;
 use deferred_aa::reference::surfaces::cover::{Around, Covered, Seen, cover, rays, tapped};
 use deferred_aa::reference::surfaces::light::{Block, Corner, Group, Light, Lookup, Material, Tap, Window};
 use deferred_aa::wgpu;
-use deferred_aa::{DecidedBy, DeferredAa, Preset, Settings, SurfaceWord, Surfaces, Technique, Weight, Windowed, window};
+use deferred_aa::{
+    DecidedBy, DeferredAa, Preset, Settings, SurfaceWord, Surfaces, Technique, Weight, Windowed, window,
+};
 use deferred_aa_demo::gpu::{self, Gpu};
 use deferred_aa_demo::host::{Host, Options};
 use deferred_aa_demo::quality::psnr;
@@ -514,9 +516,13 @@ fn rays_are_cast_where_the_twin_wants_them() {
     let (width, height) = (96, 54);
     let reach = |shadow_reach| Surfaces { shadow_reach, ..Default::default() };
     let few = Surfaces { taps: 3, ..reach(1) };
-    for (name, of) in
-        [("shadows", reach(0)), ("shadows", reach(3)), ("mirrors", reach(1)), ("shadows", Surfaces::ONCE), ("mirrors", few)]
-    {
+    for (name, of) in [
+        ("shadows", reach(0)),
+        ("shadows", reach(3)),
+        ("mirrors", reach(1)),
+        ("shadows", Surfaces::ONCE),
+        ("mirrors", few),
+    ] {
         let scene = builtin::builtin(name).expect("built in");
         let camera = scene.default_camera();
         let options = Options::new(width, height, 4);

@@ -1,7 +1,7 @@
 //! What is measured, in the order of what it tells.
 
 use deferred_aa::rays::RayTier;
-use deferred_aa::{Preset, Settings, Technique};
+use deferred_aa::{Preset, Settings, Surfaces, Technique};
 use serde::{Deserialize, Serialize};
 
 /// Frames that share a scene, a node and a light loop. Its entries are interleaved.
@@ -82,6 +82,10 @@ impl Cell {
         };
         let mut entries = vec![single];
         entries.extend(presets.map(|p| preset(Technique::Windowed, p)));
+        entries.push((
+            "Surfaces, once".to_owned(),
+            Settings { technique: Technique::Surfaces, surfaces: Surfaces::ONCE, ..Settings::default() },
+        ));
         entries.extend(presets.map(|p| preset(Technique::Surfaces, p)));
         entries.push(of(Technique::Reconstructed, "Reconstructed"));
         entries.push(of(Technique::Selective, "Selective"));

@@ -14,7 +14,7 @@ use crate::picture::{self, Panel, Picture};
 use crate::report::ReportError;
 use crate::report::parts::truth;
 use crate::scene::Camera;
-use deferred_aa::{Preset, Settings, Technique};
+use deferred_aa::{Preset, Settings, Surfaces, Technique};
 use indicatif::{ProgressBar, ProgressStyle};
 
 /// See `deferred-aa-demo demo --help`.
@@ -34,21 +34,25 @@ pub struct Demo {
 }
 
 /// What is measured, and the name of its files.
-const ENTRIES: [(&str, &str, Technique, Option<Peer>); 6] = [
+const ENTRIES: [(&str, &str, Technique, Option<Peer>); 7] = [
     ("No AA", "none", Technique::Single, None),
     ("FXAA", "fxaa", Technique::Single, Some(Peer::Fxaa)),
     ("SMAA 1x", "smaa", Technique::Single, Some(Peer::Smaa)),
     ("Windowed", "windowed", Technique::Windowed, None),
+    ("Surfaces, once", ONCE, Technique::Surfaces, None),
     ("Surfaces", "surfaces", Technique::Surfaces, None),
     ("Full", "full", Technique::Full, None),
 ];
 /// Of [`ENTRIES`]. The first ones, which light one sample a pixel, need no more than that of the G-buffer.
 const PLAIN: usize = 3;
 const WINDOWED: usize = 3;
-const FULL: usize = 5;
+const FULL: usize = 6;
 /// The columns of strip.png and those of crops.png.
-const IN_STRIP: [usize; 4] = [0, 3, 4, 5];
-const IN_CROPS: [usize; 5] = [0, 2, 3, 4, 5];
+const IN_STRIP: [usize; 4] = [0, 3, 5, 6];
+const IN_CROPS: [usize; 6] = [0, 2, 3, 4, 5, 6];
+
+/// The name of the files of [`Surfaces::ONCE`].
+const ONCE: &str = "surfaces-once";
 
 /// Everything about one technique.
 struct Entry {
@@ -79,7 +83,8 @@ impl Demo {
         let truth = truth(&mut host, &camera, base)?;
         let mut entries = Vec::new();
         for (i, (title, file, technique, peer)) in ENTRIES.into_iter().enumerate() {
-            let settings = Settings { technique, ..base };
+            let surfaces = if file == ONCE { Surfaces::ONCE } else { base.surfaces };
+            let settings = Settings { technique, surfaces, ..base };
             let mut entry =
                 Entry { title, file, settings, peer, shots: Vec::new(), picture: truth.clone(), counts: Vec::new() };
             let host = if i < PLAIN { &mut plain } else { &mut host };
@@ -199,7 +204,7 @@ fn decibels(psnr_db: Option<f64>) -> String {
 /// Median milliseconds; on a software driver only their ratios count.
 fn table(rows: &[Row<'_>]) -> String {
     let mut text = format!(
-        "{:<10}{:>7}{:>7}{:>8}{:>8}{:>9}{:>11}{:>10}{:>10}{:>9}{:>8}\n",
+        "{:<16}{:>7}{:>7}{:>8}{:>8}{:>9}{:>11}{:>10}{:>10}{:>9}{:>8}\n",
         "", "lit", "taps", "PSNR", "edges", "FLIP", "G-buffer", "shading", "frame", "of Full", "MB"
     );
     let full = rows.get(FULL).and_then(|row| row.stats.time_ms.get("total")).map(|spread| spread.median);
@@ -210,7 +215,7 @@ fn table(rows: &[Row<'_>]) -> String {
         let of_full = ms("total").zip(full).map_or("-".to_owned(), |(ms, full)| format!("{:.0} %", ms / full * 100.0));
         let taps = samples.taps as f64 / samples.shaded.max(1) as f64 * samples.mean_k;
         text += &format!(
-            "{:<10}{:>7.2}{taps:>7.1}{:>8}{:>8}{:>9}{:>11}{:>10}{:>10}{of_full:>9}{:>8.0}\n",
+            "{:<16}{:>7.2}{taps:>7.1}{:>8}{:>8}{:>9}{:>11}{:>10}{:>10}{of_full:>9}{:>8.0}\n",
             entry.title,
             samples.mean_k,
             decibels(quality.psnr_db),

@@ -4,7 +4,7 @@ use super::args::{parse_preset, parse_technique};
 use super::error::{CommandError, wrong};
 use crate::names::{did_you_mean, nearest};
 use crate::settings_file;
-use deferred_aa::{Preset, Settings, Technique};
+use deferred_aa::{Preset, Settings, Surfaces, Technique};
 use serde_json::Value;
 use std::path::PathBuf;
 
@@ -15,9 +15,9 @@ pub struct SettingsArgs {
     /// if not given.
     #[arg(long, value_parser = parse_technique)]
     technique: Option<Technique>,
-    /// The settings of windowed and surfaces: fast, balanced or quality; balanced if not given.
-    #[arg(long, value_parser = parse_preset, conflicts_with = "file")]
-    preset: Option<Preset>,
+    /// The settings of windowed and surfaces: fast, balanced or quality, and once of surfaces; balanced if not given.
+    #[arg(long, value_parser = parse_named, conflicts_with = "file")]
+    preset: Option<Named>,
     /// Settings that the viewer saved.
     #[arg(long = "settings", value_name = "FILE")]
     file: Option<PathBuf>,
@@ -27,17 +27,46 @@ pub struct SettingsArgs {
     settings: Vec<String>,
 }
 
+/// Settings that have a name.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Named {
+    Preset(Preset),
+    /// [`Surfaces::ONCE`].
+    Once,
+}
+
+impl Named {
+    fn settings(self) -> Settings {
+        match self {
+            Self::Preset(preset) => preset.settings(),
+            Self::Once => Settings { surfaces: Surfaces::ONCE, ..Settings::default() },
+        }
+    }
+}
+
+fn parse_named(text: &str) -> Result<Named, String> {
+    if text == "once" {
+        return Ok(Named::Once);
+    }
+    parse_preset(text).map(Named::Preset).map_err(|why| format!("{why}, or once of surfaces"))
+}
+
 impl SettingsArgs {
     /// All of these, applied in order.
     pub fn settings(&self) -> Result<Settings, CommandError> {
         let base = match &self.file {
             Some(path) => settings_file::load(path)?,
-            None => self.preset.unwrap_or_default().settings(),
+            None => self.preset.map_or_else(Settings::default, Named::settings),
         };
         let technique = self.technique.unwrap_or(base.technique);
+        let name = format!("{technique:?}").to_lowercase();
+        if self.preset == Some(Named::Once) && technique != Technique::Surfaces {
+            let problem = "'once' is a setting of surfaces: add --technique surfaces, or choose another";
+            return Err(wrong("--preset", format!("{name}: {problem}")));
+        }
         if self.preset.is_some() && !matches!(technique, Technique::Windowed | Technique::Surfaces) {
             let problem = "the presets are settings of windowed and surfaces: leave it out, or use one of these";
-            return Err(wrong("--preset", format!("{}: {problem}", format!("{technique:?}").to_lowercase())));
+            return Err(wrong("--preset", format!("{name}: {problem}")));
         }
         apply(Settings { technique, ..base }, &self.settings)
     }

@@ -217,8 +217,9 @@ fn surfaces(m: u32, base: Surfaces, spreads: &[Scale]) -> Vec<Own<Surfaces>> {
     let id = format!("surfaces-m{m}");
     let preset = (base == Preset::default().surfaces()).then_some("balanced");
     let mut all = vec![(id.clone(), format!("Surfaces, m = {m}"), preset, base)];
-    for (name, preset) in [("fast", Preset::Fast), ("quality", Preset::Quality)] {
-        all.push((format!("{id}-{name}"), format!("Surfaces, {name}, m = {m}"), Some(name), preset.surfaces()));
+    let named = [("once", Surfaces::ONCE), ("fast", Preset::Fast.surfaces()), ("quality", Preset::Quality.surfaces())];
+    for (name, surfaces) in named {
+        all.push((format!("{id}-{name}"), format!("Surfaces, {name}, m = {m}"), Some(name), surfaces));
     }
     for &(spread, name) in spreads {
         // Taps and interpolated light in proportion.

@@ -7,8 +7,9 @@ use super::super::renderer::{Maker, Recipe, Reference};
 use super::super::state::Side;
 use super::names::about;
 use super::row;
-use deferred_aa::{Preset, Settings, Technique};
+use deferred_aa::{Preset, Settings, Surfaces, Technique};
 use egui::{CollapsingHeader, Slider, Ui};
+use std::iter;
 
 /// The settings that are never folded away.
 const AT_HAND: [&str; 2] = ["technique", "goal"];
@@ -110,20 +111,21 @@ impl App {
 
     fn presets(&mut self, ui: &mut Ui) {
         let settings = self.sides[self.edited].recipe.settings;
-        let with = |preset: Preset| match settings.technique {
-            Technique::Windowed => Some(Settings { windowed: preset.windowed(), ..settings }),
-            Technique::Surfaces => Some(Settings { surfaces: preset.surfaces(), ..settings }),
-            _ => None,
+        let presets: Vec<(String, Settings)> = match settings.technique {
+            Technique::Windowed => Preset::ALL
+                .map(|preset| (format!("{preset:?}"), Settings { windowed: preset.windowed(), ..settings }))
+                .into(),
+            Technique::Surfaces => iter::once(("Once".to_owned(), Surfaces::ONCE))
+                .chain(Preset::ALL.map(|preset| (format!("{preset:?}"), preset.surfaces())))
+                .map(|(name, surfaces)| (name, Settings { surfaces, ..settings }))
+                .collect(),
+            _ => return,
         };
-        let presets = Preset::ALL.map(|preset| with(preset).map(|settings| (preset, settings)));
-        if presets[0].is_none() {
-            return;
-        }
         row::labelled(ui, "preset", |ui| {
             ui.horizontal_wrapped(|ui| {
                 ui.spacing_mut().item_spacing.x = 2.0;
-                for (preset, chosen) in presets.into_iter().flatten() {
-                    if ui.selectable_label(settings == chosen, format!("{preset:?}")).clicked() {
+                for (name, chosen) in presets {
+                    if ui.selectable_label(settings == chosen, name).clicked() {
                         self.sides[self.edited].set(chosen, "preset");
                     }
                 }
