@@ -139,7 +139,10 @@ fn techniques_and_settings() {
             "no technique 'windwed': did you mean windowed? choose full, single, windowed, reconstructed, selective, multiresolution or surfaces",
         ],
     );
-    refused(&["--preset", "fsat"], &["no preset 'fsat': did you mean fast? choose fast, balanced or quality"]);
+    refused(
+        &["--preset", "fsat"],
+        &["no preset 'fsat': did you mean fast? choose fast, balanced or quality, or once of surfaces"],
+    );
     refused(&["--textures", "none"], &["'none'", "arrays"]);
     refused(
         &["--set", "windowed.depht_scale=1"],
@@ -161,6 +164,10 @@ fn answers() {
         (
             "render --technique selective --preset fast",
             "--preset: selective: the presets are settings of windowed and surfaces: leave it out, or use one of these",
+        ),
+        (
+            "render --preset once",
+            "--preset: windowed: 'once' is a setting of surfaces: add --technique surfaces, or choose another",
         ),
         ("render --set windowed.luminance=5", "--set windowed.luminance=5: no choice '5': choose linear, perceptual"),
         (

@@ -1,5 +1,6 @@
 //! A node on a synthetic G-buffer: samples given by a function, shaded by a hook of the test's own.
 
+use deferred_aa::rays::RayTier;
 use deferred_aa::reference::metrics::{Input, Worth};
 use deferred_aa::reference::octahedral;
 use deferred_aa::{
@@ -130,7 +131,6 @@ impl Rig {
     }
 
     pub fn with_format(m: u32, width: u32, height: u32, shading: &str, format: wgpu::TextureFormat) -> Self {
-        let gpu = device(TextureTier::None);
         let descriptor = Descriptor {
             m,
             target_format: format,
@@ -140,9 +140,22 @@ impl Rig {
             rays: None,
             gbuffer: GBufferTier::default(),
         };
-        let mut aa = DeferredAa::new(&gpu.device, &descriptor, None).expect("a node");
+        Self::of(device(TextureTier::None), &descriptor, [width, height])
+    }
+
+    /// One that traces in software.
+    pub fn with_rays(m: u32, width: u32, height: u32, shading: &str) -> Self {
+        let shading = Shading { source: shading, file: "test.wgsl" };
+        let rays = Some(RayTier::Software);
+        let descriptor = Descriptor { m, rays, ..Descriptor::new(wgpu::TextureFormat::Rgba32Float, shading) };
+        let gpu = Gpu::new(gpu::choose(None).expect("tests need an adapter"), &descriptor).expect("a device");
+        Self::of(gpu, &descriptor, [width, height])
+    }
+
+    fn of(gpu: Gpu, descriptor: &Descriptor<'_>, [width, height]: [u32; 2]) -> Self {
+        let mut aa = DeferredAa::new(&gpu.device, descriptor, None).expect("a node");
         aa.resize(&gpu.device, width, height).expect("a size");
-        let target = target(&gpu, format, [width, height]);
+        let target = target(&gpu, descriptor.target_format, [width, height]);
         let view = target.create_view(&Default::default());
         let camera = camera(width as f32 / height as f32);
         Self { gpu, aa, size: [width, height], exposure: 1.0, camera, band: None, target, view }

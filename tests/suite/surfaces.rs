@@ -3,13 +3,15 @@
 use crate::harness::{Output, Rig, SHOW_USER, Sample, noise, rgba8, stored_normal};
 use crate::shadows::{bits, probed};
 use deferred_aa::glam::{DVec2, DVec3, Vec2, Vec3};
+use deferred_aa::rays::{RayScene, RayTier};
 use deferred_aa::reference::rays::shared_exponent;
 use deferred_aa::reference::sample::relative_position;
 use deferred_aa::reference::surfaces::cover::{Around, Covered, Seen, cover, rays, tapped};
 use deferred_aa::reference::surfaces::light::{Block, Corner, Group, Light, Lookup, Material, Tap, Window};
 use deferred_aa::wgpu;
 use deferred_aa::{
-    DecidedBy, DeferredAa, Preset, Settings, SurfaceWord, Surfaces, Technique, Weight, Windowed, window,
+    CastingLight, DecidedBy, DeferredAa, Needs, Preset, Settings, SurfaceWord, Surfaces, Technique, Weight, Windowed,
+    window,
 };
 use deferred_aa_demo::gpu::{self, Gpu};
 use deferred_aa_demo::host::{Host, Options};
@@ -577,6 +579,32 @@ fn rays_are_cast_where_the_twin_wants_them() {
         let between = name == "mirrors" || of.taps < 16;
         assert!(all[0] > 500 && (all[2] > 200 || of == Surfaces::ONCE) && (all[1] > 10) == between, "{name}: {all:?}");
         assert!(alone > 100 || name == "shadows", "{name}: {alone}");
+    }
+}
+
+/// Of a window of several surfaces, all samples cast rays of a host that shades samples as a whole, which may have any of
+/// them shaded. Of another host those do up to the last tap.
+#[test]
+fn samples_that_are_not_read_cast_no_rays() {
+    let lights = [CastingLight::Directional { towards: Vec3::Y }];
+    for (shading, whole) in [(SHOW_USER, true), (HOOK, false)] {
+        let mut rig = Rig::with_rays(4, WIDTH, HEIGHT, shading);
+        rig.fill(busy);
+        let mut scene = RayScene::new(&rig.gpu.device, RayTier::Software);
+        let mut encoder = rig.gpu.device.create_command_encoder(&Default::default());
+        let eye = rig.camera.world_from_view.w_axis.truncate();
+        scene.update(&rig.gpu.device, &rig.gpu.queue, &mut encoder, &[], eye).expect("an empty scene");
+        rig.gpu.queue.submit([encoder.finish()]);
+        let needs = Needs { shadows: &lights, rays: Some(&scene), ..Default::default() };
+        let plan = rig.run_with(settings(Surfaces::ONCE), needs).plan;
+        let mut as_wanted = 0;
+        for ((word, labels), (k, ..)) in words(&rig).into_iter().zip(plan) {
+            let several = word.surfaces() > 1;
+            let wanted = if several { tapped(&labels, &Surfaces::ONCE, whole) } else { 1 };
+            assert_eq!(k as usize, wanted, "whole: {whole}, {word:?} {labels:?}");
+            as_wanted += u32::from(several && (wanted == 16) == whole);
+        }
+        assert!(as_wanted > 100, "{as_wanted}");
     }
 }
 
