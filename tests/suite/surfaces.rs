@@ -78,6 +78,7 @@ fn settings(surfaces: Surfaces) -> Settings {
     Settings { technique: Technique::Surfaces, surfaces, ..Default::default() }
 }
 
+/// Those of a rig.
 fn words(rig: &Rig) -> Vec<(SurfaceWord, Vec<u8>)> {
     words_of(&rig.aa, &rig.gpu, rig.size)
 }
@@ -570,6 +571,7 @@ fn rays_are_cast_where_the_twin_wants_them() {
                 assert!(bits.iter().all(|of_rank| *of_rank == bits[0]), "{name} ({x}, {y}): {bits:?}");
                 alone += 1;
             }
+            assert!([1, 4, 16].contains(&word.k()) || of.taps < 16, "{name} ({x}, {y}): {word:?}");
             all[match word.k() {
                 1 => 0,
                 16 => 2,
