@@ -276,10 +276,14 @@ fn the_demo_compares_on_one_view() {
     };
     let db = |name: &str| of(name)["quality"]["truth"]["psnr_db"].as_f64().unwrap();
     assert!(db("full") > db("windowed") && db("windowed") > db("none") + 6.0, "{} {}", db("windowed"), db("none"));
-    assert!(db("surfaces") > db("smaa").max(db("fxaa")));
+    for name in ["surfaces", "surfaces-once"] {
+        assert!(db(name) > db("smaa").max(db("fxaa")), "{name}");
+    }
+    let samples = of("surfaces-once")["samples"].clone();
+    assert_eq!(samples["taps"], samples["shaded"]);
     assert_eq!((&of("none")["m"], &of("smaa")["m"], &of("full")["m"]), (&1.into(), &1.into(), &3.into()));
     let stdout = text(&output.stdout);
-    for row in ["\nNo AA ", "\nFXAA ", "\nSMAA 1x ", "\nWindowed ", "\nSurfaces ", "\nFull "] {
+    for row in ["\nNo AA ", "\nFXAA ", "\nSMAA 1x ", "\nWindowed ", "\nSurfaces, once ", "\nSurfaces ", "\nFull "] {
         assert!(stdout.contains(row), "{row:?} is not in {stdout}");
     }
     for name in ["strip.png", "crops.png", "samples.png", "truth.png", "none.png", "full.exr"] {
